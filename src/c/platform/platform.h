@@ -1,0 +1,128 @@
+/*
+ * What the project needs from an operating system.
+ *
+ * Each folder beside this header implements all of it for one family of
+ * systems; no other place asks which system it is.  Sockets are non-blocking,
+ * closed on exec, and never raise a signal.
+ */
+#ifndef IPC_PLATFORM_PLATFORM_H
+#define IPC_PLATFORM_PLATFORM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* ----------------------------------------------------------------- sockets */
+
+#define NET_SOCKET_DIRECTORY "/tmp/x_ipc"
+#define NET_NAME_SIZE 256 /* enough for any host name or numeric address */
+
+/* Listens on TCP: address NULL means all; *port 0 asks for any free one, and is set to the one in use. */
+int net_listen_tcp(const char *address, int *port, int *fd);
+
+/* Listens on a Unix socket under path, making its directory; an abandoned socket there is replaced. */
+int net_listen_local(const char *path, unsigned mode, int *fd);
+
+/* Closes a local listener and removes its path if that is still the socket bound by net_listen_local. */
+void net_close_local(const char *path, int fd);
+
+/* Accepts one connection: 0, or 1 when none is waiting, or ERR_LIMIT (out of descriptors), ERR_IO. */
+int net_accept(int listener, int *fd);
+
+/* Connects, waiting at most timeout_ms: 0 or ERR_REFUSED, ERR_TIMEOUT, ERR_UNKNOWN (no such host), ERR_IO. */
+int net_connect_tcp(const char *host, int port, int timeout_ms, int *fd);
+int net_connect_local(const char *path, int *fd);
+
+struct net_slice {
+    const void *bytes;
+    size_t length;
+};
+
+/* Number of bytes read (at least 1), 0 when none is there now, ERR_CLOSED, ERR_IO. */
+ptrdiff_t net_read(int fd, void *bytes, size_t room);
+
+/* Number of bytes written, 0 when the kernel takes none now, ERR_CLOSED, ERR_IO. */
+ptrdiff_t net_write(int fd, const struct net_slice *slices, size_t n_slices);
+
+/* Ends both directions and closes. */
+void net_close(int fd);
+
+/* Closes this process's copy only; the connection lives on in others. */
+void net_close_copy(int fd);
+
+/* This host's name, cut to size - 1 bytes. */
+void net_host_name(char *name, size_t size);
+
+/* Numeric address of the peer of a TCP connection, "" for others. */
+void net_peer_address(int fd, char *name, size_t size);
+
+/* Lets the process have as many descriptors as the system allows, and returns that number. */
+long net_raise_descriptor_limit(void);
+
+/* --------------------------------------------------------------- readiness */
+
+enum { READY_READ = 1, READY_WRITE = 2, READY_ERROR = 4 };
+
+struct ready_item {
+    int fd;
+    short wanted; /* READY_READ | READY_WRITE */
+    short found;  /* also READY_ERROR: hung up, failed or not open */
+};
+
+/* Waits for any of a few descriptors, timeout_ms -1 for ever: number of items found, 0, or ERR_IO.
+ * A signal does not end the wait. */
+int ready_wait(struct ready_item *items, size_t n_items, int64_t timeout_ms);
+
+/* A set of many descriptors whose cost does not grow with those that are idle. */
+struct poller;
+
+struct poller_event {
+    void *owner;
+    int found;
+};
+
+struct poller *poller_new(void); /* NULL: the system refused */
+void poller_free(struct poller *poller);
+int poller_add(struct poller *poller, int fd, int wanted, void *owner);
+int poller_change(struct poller *poller, int fd, int wanted, void *owner);
+void poller_remove(struct poller *poller, int fd);
+
+/* Number of events (at most room), 0 at the time-out or after a signal, ERR_IO. */
+int poller_wait(struct poller *poller, struct poller_event *events, int room, int64_t timeout_ms);
+
+/* A descriptor that is readable from waker_wake until waker_clear; wake may be called in signal handlers. */
+struct waker {
+    int read_fd;
+    int write_fd;
+};
+int waker_open(struct waker *waker);
+void waker_close(struct waker *waker);
+void waker_wake(const struct waker *waker);
+void waker_clear(const struct waker *waker);
+
+/* ------------------------------------------------------------------- clock */
+
+/* Monotonic, from an arbitrary start. */
+uint64_t clock_ns(void);
+
+/* ----------------------------------------------------------------- threads */
+
+struct mutex;
+struct condition;
+
+struct mutex *mutex_new(void);
+void mutex_free(struct mutex *mutex);
+void mutex_lock(struct mutex *mutex);
+void mutex_unlock(struct mutex *mutex);
+
+struct condition *condition_new(void);
+void condition_free(struct condition *condition);
+
+/* Waits until told or until clock_ns() reaches deadline_ns (UINT64_MAX: for ever); may wake early. */
+void condition_wait(struct condition *condition, struct mutex *mutex, uint64_t deadline_ns);
+void condition_tell_all(struct condition *condition);
+
+/* A number that is this thread's alone while it lives, never 0. */
+uintptr_t thread_number(void);
+
+#endif
