@@ -13,7 +13,7 @@
 
 struct block *block_new(size_t length)
 {
-    if (length > SIZE_MAX - sizeof(struct block))
+    if (length > PTRDIFF_MAX - sizeof(struct block))
         return NULL;
     struct block *block = malloc(sizeof *block + length);
     if (block == NULL)

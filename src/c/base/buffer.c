@@ -28,13 +28,13 @@ void buffer_clear(struct buffer *buffer)
     buffer->length = 0;
 }
 
-/* The capacity that holds needed bytes: the next doubling, or needed itself near the top. */
+/* The capacity that holds needed bytes (at most PTRDIFF_MAX): the next doubling, or just needed. */
 static size_t grown_capacity(size_t capacity, size_t needed)
 {
     if (capacity < SMALLEST_CAPACITY)
         capacity = SMALLEST_CAPACITY;
     while (capacity < needed) {
-        if (capacity > SIZE_MAX / 2)
+        if (capacity > PTRDIFF_MAX / 2)
             return needed;
         capacity *= 2;
     }
@@ -45,7 +45,7 @@ int buffer_reserve(struct buffer *buffer, size_t extra)
 {
     if (extra <= buffer->capacity - buffer->length)
         return 0;
-    if (extra > SIZE_MAX - buffer->length)
+    if (extra > PTRDIFF_MAX - buffer->length)
         return ERR_MEMORY;
     size_t capacity = grown_capacity(buffer->capacity, buffer->length + extra);
     uint8_t *bytes = realloc(buffer->bytes, capacity);

@@ -54,9 +54,11 @@ void table_init(struct table *table, enum table_kind kind)
 
 void table_fini(struct table *table)
 {
-    struct list *at, *following;
-    LIST_EACH(at, following, &table->entries)
-    free(LIST_OWNER(at, struct table_entry, order));
+    struct table_entry *following;
+    for (struct table_entry *entry = table_first(table); entry != NULL; entry = following) {
+        following = table_next(table, entry);
+        free(entry);
+    }
     free(table->slots);
     table_init(table, table->kind);
 }
@@ -95,10 +97,8 @@ static void grow(struct table *table)
     free(table->slots);
     table->n_slots = table->n_slots == 0 ? FIRST_SLOTS : table->n_slots * 2;
     table->slots = mem_new(table->n_slots * sizeof(struct table_entry *));
-    struct list *at, *following;
-    LIST_EACH(at, following, &table->entries)
-    {
-        struct table_entry *entry = LIST_OWNER(at, struct table_entry, order);
+    for (struct table_entry *entry = table_first(table); entry != NULL;
+         entry = table_next(table, entry)) {
         struct table_entry **slot = &table->slots[entry->hash & (table->n_slots - 1)];
         entry->next = *slot;
         *slot = entry;
