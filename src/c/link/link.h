@@ -24,11 +24,11 @@ struct link_piece; /* one run of outgoing bytes */
 struct link {
     int fd; /* owned; -1: none */
     struct reader reader;
-    struct link_piece *pieces; /* ring of waiting pieces, owned */
+    struct link_piece *pieces; /* ring of what waits, owned */
     size_t n_slots;            /* a power of two */
     size_t first;
     size_t n_pieces;
-    uint8_t *run;        /* ring-less buffer behind the short pieces, owned */
+    uint8_t *run; /* the bytes of short pieces, in order, owned */
     size_t run_start;
     size_t run_end;
     size_t run_capacity;

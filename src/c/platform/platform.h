@@ -20,13 +20,25 @@
 /* Listens on TCP: address NULL means all; *port 0 asks for any free one, and is set to the one in use. */
 int net_listen_tcp(const char *address, int *port, int *fd);
 
-/* Listens on a Unix socket under path, making its directory; an abandoned socket there is replaced. */
-int net_listen_local(const char *path, unsigned mode, int *fd);
+#define NET_PATH_SIZE 108 /* bytes of the longest socket path, with its NUL */
 
-/* Closes a local listener and removes its path if that is still the socket bound by net_listen_local. */
-void net_close_local(const char *path, int fd);
+/* A Unix socket that listens, and which file it made, so that no other is ever removed. */
+struct net_local {
+    int fd; /* -1: none */
+    uint64_t device;
+    uint64_t inode;
+    char path[NET_PATH_SIZE];
+};
 
-/* Accepts one connection: 0, or 1 when none is waiting, or ERR_LIMIT (out of descriptors), ERR_IO. */
+/* Listens on a Unix socket under path, making its directory; an abandoned socket there is replaced:
+ * 0, ERR_REFUSED (somebody else listens there), ERR_LIMIT (path too long), ERR_IO. */
+int net_listen_local(const char *path, unsigned mode, struct net_local *listener);
+
+/* Closes the listener and removes its path if that is still the file it made. */
+void net_close_local(struct net_local *listener);
+
+/* Accepts one connection: 0, or 1 when none is waiting, or ERR_LIMIT (out of descriptors or memory),
+ * ERR_IO. */
 int net_accept(int listener, int *fd);
 
 /* Connects, waiting at most timeout_ms: 0 or ERR_REFUSED, ERR_TIMEOUT, ERR_UNKNOWN (no such host), ERR_IO. */

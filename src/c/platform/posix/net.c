@@ -1,0 +1,427 @@
+/*
+ * Sockets on POSIX systems.
+ */
+#define _GNU_SOURCE /* accept4, SOCK_CLOEXEC; the fallbacks below do without */
+#include "platform/platform.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <arpa/inet.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/uio.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "base/error.h"
+
+#ifndef MSG_NOSIGNAL
+#define MSG_NOSIGNAL 0 /* systems without it have SO_NOSIGPIPE */
+#endif
+
+enum { BACKLOG = 4096, LOCAL_BUFFER = 1 << 20, MAX_SLICES = 64 };
+
+static int ready_socket(int fd)
+{
+    const int flags = fcntl(fd, F_GETFL);
+    if (flags < 0 || fcntl(fd, F_SETFL, flags | O_NONBLOCK) < 0 ||
+        fcntl(fd, F_SETFD, FD_CLOEXEC) < 0) {
+        return ERR_IO;
+    }
+#ifdef SO_NOSIGPIPE
+    const int on = 1;
+    (void)setsockopt(fd, SOL_SOCKET, SO_NOSIGPIPE, &on, sizeof on); /* a second line of defence */
+#endif
+    return 0;
+}
+
+static int new_socket(int family, int *fd)
+{
+    *fd = socket(family, SOCK_STREAM, 0);
+    if (*fd < 0) {
+        return ERR_IO;
+    }
+    if (ready_socket(*fd) != 0) {
+        close(*fd);
+        return ERR_IO;
+    }
+    return 0;
+}
+
+/* Options of a connected TCP socket; each is a wish, so a refusal is of no matter. */
+static void tune_tcp(int fd)
+{
+    const int on = 1;
+    (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    (void)setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+}
+
+/* Unix sockets have small default buffers, which cost a context switch per piece of a long message. */
+static void tune_local(int fd)
+{
+    const int size = LOCAL_BUFFER;
+    (void)setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);
+    (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &size, sizeof size);
+}
+
+static int close_with(int fd, int error)
+{
+    const int saved = errno;
+    close(fd);
+    errno = saved;
+    return error;
+}
+
+/* --------------------------------------------------------------- listening */
+
+static int fill_ipv4(const char *address, int port, struct sockaddr_in *name)
+{
+    memset(name, 0, sizeof *name);
+    name->sin_family = AF_INET;
+    name->sin_port = htons((uint16_t)port);
+    name->sin_addr.s_addr = htonl(INADDR_ANY);
+    if (address != NULL && inet_pton(AF_INET, address, &name->sin_addr) != 1) {
+        return ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+int net_listen_tcp(const char *address, int *port, int *fd)
+{
+    struct sockaddr_in name;
+    int error = fill_ipv4(address, *port, &name);
+    if (error != 0) {
+        return error;
+    }
+    error = new_socket(AF_INET, fd);
+    if (error != 0) {
+        return error;
+    }
+    const int on = 1;
+    socklen_t length = sizeof name;
+    (void)setsockopt(*fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (bind(*fd, (struct sockaddr *)&name, sizeof name) < 0 || listen(*fd, BACKLOG) < 0 ||
+        getsockname(*fd, (struct sockaddr *)&name, &length) < 0) {
+        return close_with(*fd, ERR_IO);
+    }
+    *port = ntohs(name.sin_port);
+    return 0;
+}
+
+static int fill_local(const char *path, struct sockaddr_un *name)
+{
+    memset(name, 0, sizeof *name);
+    name->sun_family = AF_UNIX;
+    if (strlen(path) >= sizeof name->sun_path || strlen(path) >= NET_PATH_SIZE) {
+        return ERR_LIMIT;
+    }
+    memcpy(name->sun_path, path, strlen(path));
+    return 0;
+}
+
+/* Everybody may make sockets in the directory, nobody may remove another's. */
+static void make_directory_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    if (slash == NULL || slash == path) {
+        return;
+    }
+    char directory[NET_PATH_SIZE];
+    const size_t length = (size_t)(slash - path);
+    memcpy(directory, path, length);
+    directory[length] = '\0';
+    if (mkdir(directory, 0777) == 0) {
+        (void)chmod(directory, S_ISVTX | 0777); /* the umask has cut mkdir's mode; bind reports what matters */
+    }
+}
+
+/* Removes a socket on which nobody listens any more: 0, or ERR_REFUSED when it is in use. */
+static int remove_abandoned(const char *path)
+{
+    struct stat status;
+    if (lstat(path, &status) < 0) {
+        return 0;
+    }
+    int fd;
+    if (S_ISSOCK(status.st_mode) && net_connect_local(path, &fd) == 0) {
+        net_close(fd);
+        return ERR_REFUSED;
+    }
+    return unlink(path) == 0 ? 0 : ERR_IO;
+}
+
+int net_listen_local(const char *path, unsigned mode, struct net_local *listener)
+{
+    struct sockaddr_un name;
+    struct stat status;
+    listener->fd = -1;
+    int error = fill_local(path, &name);
+    if (error == 0) {
+        make_directory_of(path);
+        error = remove_abandoned(path);
+    }
+    if (error == 0) {
+        error = new_socket(AF_UNIX, &listener->fd);
+    }
+    if (error != 0) {
+        listener->fd = -1;
+        return error;
+    }
+    tune_local(listener->fd);
+    if (bind(listener->fd, (struct sockaddr *)&name, sizeof name) < 0 ||
+        listen(listener->fd, BACKLOG) < 0 || chmod(path, (mode_t)mode) < 0 ||
+        lstat(path, &status) < 0) {
+        error = close_with(listener->fd, ERR_IO);
+        listener->fd = -1;
+        return error;
+    }
+    memcpy(listener->path, path, strlen(path) + 1);
+    listener->device = (uint64_t)status.st_dev;
+    listener->inode = (uint64_t)status.st_ino;
+    return 0;
+}
+
+void net_close_local(struct net_local *listener)
+{
+    struct stat status;
+    if (listener->fd < 0) {
+        return;
+    }
+    if (lstat(listener->path, &status) == 0 && (uint64_t)status.st_dev == listener->device &&
+        (uint64_t)status.st_ino == listener->inode) {
+        (void)unlink(listener->path); /* at worst a stale file stays, which the next one replaces */
+    }
+    close(listener->fd);
+    listener->fd = -1;
+}
+
+int net_accept(int listener, int *fd)
+{
+    struct sockaddr_storage name;
+    socklen_t length = sizeof name;
+    for (;;) {
+        *fd = accept(listener, (struct sockaddr *)&name, &length);
+        if (*fd >= 0) {
+            break;
+        }
+        if (errno == EAGAIN || errno == EWOULDBLOCK) {
+            return 1;
+        }
+        if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
+            return ERR_LIMIT;
+        }
+        if (errno != EINTR && errno != ECONNABORTED && errno != EPROTO) {
+            return ERR_IO;
+        }
+    }
+    if (ready_socket(*fd) != 0) {
+        return close_with(*fd, ERR_IO);
+    }
+    if (name.ss_family == AF_INET || name.ss_family == AF_INET6) {
+        tune_tcp(*fd);
+    } else {
+        tune_local(*fd);
+    }
+    return 0;
+}
+
+/* -------------------------------------------------------------- connecting */
+
+static int await_connection(int fd, uint64_t deadline_ns)
+{
+    for (;;) {
+        const uint64_t now = clock_ns();
+        const int left_ms = now >= deadline_ns ? 0 : (int)((deadline_ns - now) / 1000000u) + 1;
+        struct pollfd item = {fd, POLLOUT, 0};
+        const int n = poll(&item, 1, left_ms);
+        if (n > 0) {
+            break;
+        }
+        if (n == 0 && clock_ns() >= deadline_ns) {
+            return ERR_TIMEOUT;
+        }
+        if (n < 0 && errno != EINTR) {
+            return ERR_IO;
+        }
+    }
+    int reason = 0;
+    socklen_t length = sizeof reason;
+    if (getsockopt(fd, SOL_SOCKET, SO_ERROR, &reason, &length) < 0) {
+        return ERR_IO;
+    }
+    errno = reason;
+    return reason == 0 ? 0 : ERR_REFUSED;
+}
+
+static int connect_to(const struct addrinfo *target, uint64_t deadline_ns, int *fd)
+{
+    int error = new_socket(target->ai_family, fd);
+    if (error != 0) {
+        return error;
+    }
+    tune_tcp(*fd);
+    if (connect(*fd, target->ai_addr, target->ai_addrlen) == 0) {
+        return 0;
+    }
+    error = errno == EINPROGRESS || errno == EINTR ? await_connection(*fd, deadline_ns) : ERR_REFUSED;
+    return error == 0 ? 0 : close_with(*fd, error);
+}
+
+int net_connect_tcp(const char *host, int port, int timeout_ms, int *fd)
+{
+    const uint64_t deadline = clock_ns() + (uint64_t)timeout_ms * 1000000u;
+    struct addrinfo hints;
+    struct addrinfo *targets;
+    char service[16];
+    if (port <= 0 || port > 65535) {
+        return ERR_REFUSED;
+    }
+    memset(&hints, 0, sizeof hints);
+    hints.ai_family = AF_UNSPEC;
+    hints.ai_socktype = SOCK_STREAM;
+    snprintf(service, sizeof service, "%d", port);
+    if (getaddrinfo(host, service, &hints, &targets) != 0) {
+        return ERR_UNKNOWN;
+    }
+    int error = ERR_UNKNOWN;
+    for (const struct addrinfo *target = targets; target != NULL; target = target->ai_next) {
+        error = connect_to(target, deadline, fd);
+        if (error == 0) {
+            break;
+        }
+    }
+    freeaddrinfo(targets);
+    return error;
+}
+
+int net_connect_local(const char *path, int *fd)
+{
+    struct sockaddr_un name;
+    int error = fill_local(path, &name);
+    if (error != 0) {
+        return error;
+    }
+    error = new_socket(AF_UNIX, fd);
+    if (error != 0) {
+        return error;
+    }
+    tune_local(*fd);
+    if (connect(*fd, (struct sockaddr *)&name, sizeof name) < 0) {
+        return close_with(*fd, ERR_REFUSED);
+    }
+    return 0;
+}
+
+/* -------------------------------------------------------- reading, writing */
+
+ptrdiff_t net_read(int fd, void *bytes, size_t room)
+{
+    for (;;) {
+        const ssize_t n = recv(fd, bytes, room, 0);
+        if (n > 0) {
+            return n;
+        }
+        if (n == 0) {
+            return ERR_CLOSED;
+        }
+        if (errno == EAGAIN || errno == EWOULDBLOCK) {
+            return 0;
+        }
+        if (errno != EINTR) {
+            return errno == ECONNRESET ? ERR_CLOSED : ERR_IO;
+        }
+    }
+}
+
+static ssize_t send_slices(int fd, const struct net_slice *slices, size_t n_slices)
+{
+    if (n_slices == 1) {
+        return send(fd, slices[0].bytes, slices[0].length, MSG_NOSIGNAL);
+    }
+    struct iovec parts[MAX_SLICES];
+    struct msghdr message;
+    const size_t n = n_slices < MAX_SLICES ? n_slices : MAX_SLICES;
+    for (size_t i = 0; i < n; i++) {
+        /* sendmsg does not write through the pointer, whatever iovec's type says. */
+        parts[i].iov_base = (void *)(uintptr_t)slices[i].bytes;
+        parts[i].iov_len = slices[i].length;
+    }
+    memset(&message, 0, sizeof message);
+    message.msg_iov = parts;
+    message.msg_iovlen = n;
+    return sendmsg(fd, &message, MSG_NOSIGNAL);
+}
+
+ptrdiff_t net_write(int fd, const struct net_slice *slices, size_t n_slices)
+{
+    for (;;) {
+        const ssize_t n = send_slices(fd, slices, n_slices);
+        if (n >= 0) {
+            return n;
+        }
+        if (errno == EAGAIN || errno == EWOULDBLOCK) {
+            return 0;
+        }
+        if (errno != EINTR) {
+            return errno == EPIPE || errno == ECONNRESET ? ERR_CLOSED : ERR_IO;
+        }
+    }
+}
+
+void net_close(int fd)
+{
+    (void)shutdown(fd, SHUT_RDWR); /* fails where the peer was faster, which is as good */
+    close(fd);
+}
+
+void net_close_copy(int fd)
+{
+    close(fd);
+}
+
+/* -------------------------------------------------------------------- names */
+
+void net_host_name(char *name, size_t size)
+{
+    if (gethostname(name, size) != 0) {
+        snprintf(name, size, "localhost");
+    }
+    name[size - 1] = '\0'; /* a cut name need not be terminated */
+}
+
+void net_peer_address(int fd, char *name, size_t size)
+{
+    struct sockaddr_storage address;
+    socklen_t length = sizeof address;
+    name[0] = '\0';
+    if (getpeername(fd, (struct sockaddr *)&address, &length) < 0) {
+        return;
+    }
+    if (address.ss_family == AF_INET || address.ss_family == AF_INET6) {
+        if (getnameinfo((struct sockaddr *)&address, length, name, (socklen_t)size, NULL, 0,
+                        NI_NUMERICHOST) != 0) {
+            name[0] = '\0';
+        }
+    }
+}
+
+long net_raise_descriptor_limit(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit) < 0) {
+        return 1024;
+    }
+    if (limit.rlim_cur < limit.rlim_max) {
+        limit.rlim_cur = limit.rlim_max;
+        (void)setrlimit(RLIMIT_NOFILE, &limit); /* the old limit then stays, and is returned */
+        (void)getrlimit(RLIMIT_NOFILE, &limit);
+    }
+    return limit.rlim_cur > 1000000000u ? 1000000000L : (long)limit.rlim_cur;
+}
