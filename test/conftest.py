@@ -1,0 +1,167 @@
+"""Options and fixtures of the whole-system tests: what is under test, and fresh instances of it."""
+import contextlib
+import os
+import subprocess
+
+import pytest
+
+from support import driver as driver_module
+from support.fake_central import FakeCentral
+from support.peer import Peer
+from support.processes import Central, Compiler, Library
+from support.waiting import PATIENCE
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+BUILD = os.environ.get("IPC_BUILD_DIR") or os.path.join(ROOT, "build", "dev")
+
+
+def pytest_addoption(parser):
+    group = parser.getgroup("ipc")
+    add = group.addoption
+    add("--central", default=os.environ.get("IPC_TEST_CENTRAL"),
+        help="the central to test (IPC_TEST_CENTRAL; default: the one that was built)")
+    add("--libipc", default=os.environ.get("IPC_TEST_LIBIPC"),
+        help="directory of the libipc.so.1 to test (IPC_TEST_LIBIPC; default: as built)")
+    add("--original-central", default=os.environ.get("IPC_ORIGINAL_CENTRAL"),
+        help="a central of CMU IPC 3.9.1 to test together with (IPC_ORIGINAL_CENTRAL)")
+    add("--original-libipc", default=os.environ.get("IPC_ORIGINAL_LIBIPC"),
+        help="directory of a libipc.so.1 of CMU IPC 3.9.1 (IPC_ORIGINAL_LIBIPC)")
+    add("--original-tests", default=os.environ.get("IPC_ORIGINAL_TESTS"),
+        help="directory of the test programs of CMU IPC 3.9.1 (IPC_ORIGINAL_TESTS)")
+    add("--ipc-header", default=os.environ.get("IPC_TEST_HEADER"),
+        help="directory of the ipc.h to compile modules with (IPC_TEST_HEADER; default: ours)")
+
+
+def pytest_configure(config):
+    """Says at once which programs are judged, and remembers which of them are originals."""
+    central = config.getoption("--central") or os.path.join(BUILD, "src/c/central/central")
+    library = config.getoption("--libipc") or os.path.join(BUILD, "src/c/libipc")
+    config.ipc_central = os.path.abspath(central)
+    config.ipc_library = os.path.abspath(library)
+    config.ipc_central_is_original = is_original_central(config.ipc_central)
+
+
+def pytest_report_header(config):
+    return [f"central: {config.ipc_central}", f"libipc: {config.ipc_library}"]
+
+
+def is_original_central(program):
+    """Whether a program is a central of CMU IPC 3.9: it says so when asked for its version."""
+    if not os.path.exists(program):
+        return False
+    asked = subprocess.run([program, "-v"], capture_output=True, text=True, timeout=PATIENCE,
+                           stdin=subprocess.DEVNULL, check=False)
+    return "Task Control Server 3.9" in asked.stderr + asked.stdout
+
+
+@pytest.fixture(autouse=True)
+def _skip_what_the_original_cannot(request):
+    """Tests marked as true of our programs only are skipped for an original."""
+    marks = (("new_central", lambda: request.config.ipc_central_is_original),
+             ("new_library", lambda: request.getfixturevalue("library").original))
+    for name, is_original in marks:
+        mark = request.node.get_closest_marker(name)
+        if mark and is_original():
+            pytest.skip(f"the original differs: {mark.args[0]}")
+
+
+# ---------------------------------------------------------------- what is tested
+
+
+@pytest.fixture(scope="session")
+def central_program(pytestconfig):
+    """Path of the central under test."""
+    if not os.access(pytestconfig.ipc_central, os.X_OK):
+        pytest.skip(f"no central at {pytestconfig.ipc_central}")
+    return pytestconfig.ipc_central
+
+
+@pytest.fixture(scope="session")
+def original_central_program(pytestconfig):
+    """Path of the original central; the test is skipped when there is none."""
+    program = pytestconfig.getoption("--original-central")
+    if not program:
+        pytest.skip("no original central given (--original-central)")
+    return os.path.abspath(program)
+
+
+@pytest.fixture(scope="session")
+def library(pytestconfig):
+    """The libipc under test."""
+    if not os.path.exists(os.path.join(pytestconfig.ipc_library, "libipc.so.1")):
+        pytest.skip(f"no libipc.so.1 in {pytestconfig.ipc_library}")
+    return Library("tested", pytestconfig.ipc_library)
+
+
+@pytest.fixture(scope="session")
+def original_library(pytestconfig):
+    """The original libipc; the test is skipped when there is none."""
+    directory = pytestconfig.getoption("--original-libipc")
+    if not directory:
+        pytest.skip("no original libipc given (--original-libipc)")
+    return Library("original", directory)
+
+
+@pytest.fixture(scope="session")
+def compiler(pytestconfig, tmp_path_factory):
+    """Compiles C programs against the public header."""
+    given = pytestconfig.getoption("--ipc-header")
+    includes = [given] if given else [os.path.join(ROOT, "include", "ipc"),
+                                      os.path.join(ROOT, "include")]
+    return Compiler(str(tmp_path_factory.mktemp("programs")), includes)
+
+
+# ------------------------------------------------------------------------- actors
+
+
+@pytest.fixture
+def stack():
+    """What is entered here is left, newest first, when the test is over."""
+    with contextlib.ExitStack() as exits:
+        yield exits
+
+
+@pytest.fixture
+def start_central(stack, central_program, pytestconfig):
+    """Starts the central under test with more options; it is ended after the test."""
+    def start(*options, **popen):
+        return stack.enter_context(Central(
+            central_program, *options, original=pytestconfig.ipc_central_is_original, **popen))
+    return start
+
+
+@pytest.fixture
+def central(start_central):
+    """A running central of its own for each test."""
+    return start_central()
+
+
+@pytest.fixture
+def join(stack, central):
+    """Connects hand-made modules to the test's central by the shortest handshake."""
+    def join_central(name, **options):
+        return stack.enter_context(Peer(central, name, **options)).connect()
+    return join_central
+
+
+@pytest.fixture
+def start_driver(stack, compiler, library):
+    """Starts modules that are built on the library under test, or on another one."""
+    def start(name="DRIVER", *, using=None, **options):
+        program = compiler.program(driver_module.SOURCE, using or library,
+                                   flags=["-std=c99", "-D_POSIX_C_SOURCE=200809L"])
+        return stack.enter_context(
+            driver_module.Driver(program, using or library, name=name, **options))
+    return start
+
+
+@pytest.fixture
+def fake_central(stack):
+    """A hand-made central that behaves."""
+    return stack.enter_context(FakeCentral())
+
+
+@pytest.fixture
+def driver(start_driver, fake_central):
+    """A module on the library under test, connected to the hand-made central."""
+    return start_driver().connect(fake_central.address)
