@@ -73,12 +73,17 @@ long net_raise_descriptor_limit(void);
 
 /* --------------------------------------------------------------- readiness */
 
-enum { READY_READ = 1, READY_WRITE = 2, READY_ERROR = 4 };
+enum {
+    READY_READ = 1,
+    READY_WRITE = 2,
+    READY_ERROR = 4,  /* failed or hung up; what is left may still be read */
+    READY_INVALID = 8 /* not an open descriptor */
+};
 
 struct ready_item {
     int fd;
     short wanted; /* READY_READ | READY_WRITE */
-    short found;  /* also READY_ERROR: hung up, failed or not open */
+    short found;  /* also READY_ERROR, READY_INVALID */
 };
 
 /* Waits for any of a few descriptors, timeout_ms -1 for ever: number of items found, 0, or ERR_IO.
@@ -117,6 +122,11 @@ void waker_clear(const struct waker *waker);
 /* Monotonic, from an arbitrary start. */
 uint64_t clock_ns(void);
 
+/* ------------------------------------------------------------------ memory */
+
+/* How many bytes a malloc block really has; 0 where the system does not tell. */
+size_t memory_usable_size(void *block);
+
 /* ----------------------------------------------------------------- threads */
 
 struct mutex;
@@ -136,5 +146,8 @@ void condition_tell_all(struct condition *condition);
 
 /* A number that is this thread's alone while it lives, never 0. */
 uintptr_t thread_number(void);
+
+/* Runs initialise in the first call in this process; others wait until it is done. */
+void thread_once(void (*initialise)(void));
 
 #endif

@@ -1,7 +1,7 @@
 /*
  * Sockets on POSIX systems.
  */
-#define _GNU_SOURCE /* accept4, SOCK_CLOEXEC; the fallbacks below do without */
+#define _XOPEN_SOURCE 700
 #include "platform/platform.h"
 
 #include <errno.h>

@@ -53,7 +53,8 @@ static short to_poll(short wanted)
 static short from_poll(short events)
 {
     return (short)((events & POLLIN ? READY_READ : 0) | (events & POLLOUT ? READY_WRITE : 0) |
-                   (events & (POLLERR | POLLHUP | POLLNVAL) ? READY_ERROR : 0));
+                   (events & (POLLERR | POLLHUP) ? READY_ERROR : 0) |
+                   (events & POLLNVAL ? READY_INVALID : 0));
 }
 
 int ready_wait(struct ready_item *items, size_t n_items, int64_t timeout_ms)

@@ -91,3 +91,9 @@ uintptr_t thread_number(void)
 {
     return (uintptr_t)pthread_self();
 }
+
+void thread_once(void (*initialise)(void))
+{
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, initialise);
+}

@@ -1,0 +1,25 @@
+/*
+ * Where central is: from CENTRALHOST or an argument to a connected socket.
+ */
+#ifndef IPC_LIBIPC_ADDRESS_H
+#define IPC_LIBIPC_ADDRESS_H
+
+#include <stdbool.h>
+
+#include "platform/platform.h"
+
+enum { DEFAULT_PORT = 1381 };
+
+struct address {
+    char host[NET_NAME_SIZE];
+    int port;
+    bool local; /* the Unix socket of that port comes first */
+};
+
+/* Splits host[:port] or [IPv6]:port: 0, or ERR_UNKNOWN when it cannot name a host. */
+int address_parse(const char *text, struct address *address);
+
+/* Opens a connection: 0 or as net_connect_tcp. */
+int address_connect(const struct address *address, int timeout_ms, int *fd);
+
+#endif

@@ -1,0 +1,125 @@
+/*
+ * API: initializing, connecting, errors and verbosity [manual 4.1 to 4.19].
+ */
+#include <stdio.h>
+
+#include "libipc/api.h"
+#include "libipc/compat.h"
+#include "libipc/connect.h"
+#include "libipc/exchange.h"
+#include "libipc/watch_fd.h"
+
+IPC_RETURN_TYPE IPC_initialize(void)
+{
+    struct library *library = library_enter();
+    library_initialise(library);
+    library_leave(library);
+    return IPC_OK;
+}
+
+IPC_RETURN_TYPE IPC_connectModule(const char *taskName, const char *serverName)
+{
+    return connect_module(taskName, serverName, true);
+}
+
+IPC_RETURN_TYPE IPC_connect(const char *taskName)
+{
+    return connect_module(taskName, NULL, true);
+}
+
+IPC_RETURN_TYPE IPC_connectModuleNoListen(const char *taskName, const char *serverName)
+{
+    return connect_module(taskName, serverName, false);
+}
+
+IPC_RETURN_TYPE IPC_connectNoListen(const char *taskName)
+{
+    return connect_module(taskName, NULL, false);
+}
+
+IPC_RETURN_TYPE IPC_disconnect(void)
+{
+    struct library *library = library_enter();
+    struct _X_IPC_CONTEXT *context = library_context(library);
+    if (context != NULL) {
+        disconnect(context, true);
+    }
+    if (!library_any_connected(library)) {
+        library->initialised = false;
+    }
+    library_leave(library);
+    return IPC_OK;
+}
+
+int IPC_isConnected(void)
+{
+    struct api api;
+    const int connected = api_enter(&api) == IPC_No_Error;
+    library_leave(api.library);
+    return connected;
+}
+
+int IPC_isModuleConnected(const char *moduleName)
+{
+    struct api api;
+    int connected = 0;
+    if (api_is_missing(moduleName)) {
+        (void)report(IPC_Null_Argument);
+        return -1;
+    }
+    IPC_ERROR_TYPE error = api_enter(&api);
+    if (error == IPC_No_Error) {
+        error = exchange_ask(api.context, LM_IS_CONNECTED, &moduleName, &connected);
+    }
+    return api_leave(&api, error) == IPC_OK ? connected != 0 : -1;
+}
+
+static void add_fd(fd_set *set, int fd)
+{
+    if (fd >= 0 && fd < FD_SETSIZE) {
+        FD_SET(fd, set);
+    }
+}
+
+fd_set IPC_getConnections(void)
+{
+    struct api api;
+    fd_set set;
+    FD_ZERO(&set);
+    if (api_enter(&api) == IPC_No_Error) {
+        struct list *position = api.library->watched_fds.next;
+        add_fd(&set, api.context->link.fd);
+        for (; position != &api.library->watched_fds; position = position->next) {
+            add_fd(&set, LIST_OWNER(position, struct watched_fd, in_library)->fd);
+        }
+        if (api.context->n_inbox > 0) {
+            /* A program that waits for these descriptors must not sleep over messages that are here. */
+            add_fd(&set, api.library->waker.read_fd);
+            waker_wake(&api.library->waker);
+        }
+    }
+    library_leave(api.library);
+    return set;
+}
+
+void IPC_perror(const char *msg)
+{
+    const int error = (int)IPC_errno;
+    if (!api_is_missing(msg)) {
+        fprintf(stderr, "%s: ", msg);
+    }
+    if (error >= 0 && error < NUM_ERRORS) {
+        fprintf(stderr, "%s\n", ipcErrorStrings[error]);
+    } else {
+        fprintf(stderr, "Unknown IPC error %d\n", error);
+    }
+}
+
+IPC_RETURN_TYPE IPC_setVerbosity(IPC_VERBOSITY_TYPE verbosity)
+{
+    if ((int)verbosity < IPC_Silent || (int)verbosity > IPC_Exit_On_Errors) {
+        return report(IPC_Argument_Out_Of_Range);
+    }
+    ipcVerbosity = verbosity;
+    return IPC_OK;
+}

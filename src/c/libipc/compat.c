@@ -1,0 +1,136 @@
+/*
+ * Symbols beyond ipc.h, as thin forwards.
+ */
+#include "libipc/compat.h"
+
+#include <stdlib.h>
+
+#include "libipc/api.h"
+#include "libipc/connect.h"
+#include "libipc/formatter.h"
+#include "libipc/timer.h"
+
+void x_ipcRegisterExitProc(void (*procedure)(void))
+{
+    struct library *library = library_enter();
+    if (!library_any_connected(library)) {
+        library_initialise(library);
+    }
+    library->exit_procedure = procedure;
+    library_leave(library);
+}
+
+fd_set *x_ipcGetConnections(void)
+{
+    static fd_set connections; /* the interface hands out one set for all */
+    connections = IPC_getConnections();
+    return &connections;
+}
+
+int x_ipcGetMaxConnection(void)
+{
+    struct library *library = library_enter();
+    const int max_fd = library->max_fd;
+    library_leave(library);
+    return max_fd;
+}
+
+int x_ipcGetServer(void)
+{
+    struct api api;
+    const int fd = api_enter(&api) == IPC_No_Error ? api.context->link.fd : -1;
+    library_leave(api.library);
+    return fd;
+}
+
+unsigned long x_ipc_timeInMsecs(void)
+{
+    return timer_milliseconds(clock_ns());
+}
+
+void x_ipcCloseInternal(int informServer)
+{
+    struct library *library = library_enter();
+    struct _X_IPC_CONTEXT *context = library_context(library);
+    if (context != NULL) {
+        disconnect(context, informServer != 0);
+    }
+    library_leave(library);
+}
+
+void x_ipcClose(void)
+{
+    x_ipcCloseInternal(1);
+}
+
+void *x_ipcMalloc(size_t size)
+{
+    return malloc(size);
+}
+
+void x_ipcFree(void *block)
+{
+    free(block);
+}
+
+IPC_RETURN_TYPE _IPC_connect(const char *taskName, const char *serverName, int willListen,
+                             int isLispModule)
+{
+    (void)isLispModule;
+    return connect_module(taskName, serverName, willListen != 0);
+}
+
+IPC_RETURN_TYPE _IPC_initialize(int isLispModule)
+{
+    (void)isLispModule;
+    return IPC_initialize();
+}
+
+void ipcSetError(IPC_ERROR_TYPE error)
+{
+    (void)report(error); /* its result is for the caller of an API function */
+}
+
+unsigned int maxTriggers(TIMER_REF timerRef)
+{
+    struct library *library = library_enter();
+    const long left = timer_count(library, timerRef);
+    library_leave(library);
+    return (unsigned int)left;
+}
+
+FORMATTER_PTR ParseFormatString(const char *formatString)
+{
+    struct format *format = NULL;
+    if (api_is_missing(formatString)) {
+        return NULL;
+    }
+    struct library *library = library_enter();
+    if (formatter_parse(library, formatString, &format) != FORMATTER_OK) {
+        format = format_bad();
+    }
+    library_leave(library);
+    return formatter_of(format);
+}
+
+int x_ipc_dataStructureSize(FORMATTER_PTR formatter)
+{
+    return (int)format_size(formatter_format(formatter));
+}
+
+int x_ipc_bufferSize(FORMATTER_PTR formatter, const void *data)
+{
+    size_t length;
+    const struct format *format = formatter_format(formatter);
+    return format != NULL && format_measure(format, data, &length) == 0 ? (int)length : 0;
+}
+
+int x_ipc_sameFixedSizeDataBuffer(FORMATTER_PTR formatter)
+{
+    return formatter != NULL && format_is_simple(formatter_format(formatter));
+}
+
+int formatContainsPointers(FORMATTER_PTR formatter)
+{
+    return formatter != NULL && !format_is_flat(formatter_format(formatter));
+}

@@ -1,0 +1,160 @@
+/*
+ * Contexts: making, closing, and what is left of them.
+ */
+#include "libipc/context.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "libipc/inbox.h"
+#include "libipc/notify.h"
+#include "libipc/registry.h"
+#include "libipc/subscription.h"
+#include "libipc/timer.h"
+#include "libipc/watch_fd.h"
+
+/* A husk that no program has ever seen, left by a failed handshake, or a new one. */
+static struct _X_IPC_CONTEXT *context_allocate(struct library *library)
+{
+    struct list *position;
+    struct list *following;
+    LIST_EACH (position, following, &library->contexts) {
+        struct _X_IPC_CONTEXT *context =
+            LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
+        if (context->unseen && context->state == CONTEXT_CLOSED) {
+            list_remove(position);
+            free(context->server_name);
+            memset(context, 0, sizeof *context);
+            return context;
+        }
+    }
+    return mem_new(sizeof(struct _X_IPC_CONTEXT));
+}
+
+struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *module_name,
+                                   const char *server_name, int port, bool will_listen)
+{
+    struct _X_IPC_CONTEXT *context = context_allocate(library);
+    context->library = library;
+    context->unseen = true;
+    context->state = CONTEXT_CONNECTING;
+    context->server_name = mem_copy_string(server_name);
+    context->module_name = mem_copy_string(module_name);
+    context->port = port;
+    context->will_listen = will_listen;
+    link_init(&context->link, fd, FROM_CENTRAL);
+    intmap_init(&context->awaited);
+    table_init(&context->messages, TABLE_FOLDING);
+    table_init(&context->handlers, TABLE_FOLDING);
+    idpool_init(&context->handler_ids);
+    list_init(&context->inbox);
+    list_init(&context->delayed);
+    table_init(&context->broadcasts, TABLE_FOLDING);
+    list_init(&context->connect_watchers);
+    list_init(&context->disconnect_watchers);
+    list_init(&context->change_watchers);
+    list_append(&library->contexts, &context->in_library);
+    return context;
+}
+
+void context_discard(struct _X_IPC_CONTEXT *context)
+{
+    context_close(context, CONTEXT_CLOSED);
+}
+
+bool context_is_known(const struct library *library, const struct _X_IPC_CONTEXT *pointer)
+{
+    const struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        if (LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library) == pointer) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Everybody who waits for an answer is told that none will come. */
+static void fail_awaited(struct _X_IPC_CONTEXT *context)
+{
+    for (size_t i = 0; i < context->awaited.n_slots; i++) {
+        struct awaited *awaited = context->awaited.slots[i].value;
+        if (awaited == NULL) {
+            continue;
+        }
+        awaited->failed = true;
+        if (awaited->notify) {
+            free(awaited);
+        }
+    }
+    intmap_fini(&context->awaited);
+    intmap_init(&context->awaited);
+}
+
+static void free_delayed(struct _X_IPC_CONTEXT *context)
+{
+    while (!list_is_empty(&context->delayed)) {
+        instance_free(LIST_OWNER(context->delayed.next, struct instance, in_queue));
+    }
+}
+
+void context_close(struct _X_IPC_CONTEXT *context, enum context_state state)
+{
+    struct library *library = context->library;
+    if (!context_is_open(context)) {
+        if (context->state == CONTEXT_LOST) {
+            context->state = state;
+        }
+        return;
+    }
+    context->state = state;
+    link_fini(&context->link);
+    fail_awaited(context);
+    inbox_clear(context);
+    free_delayed(context);
+    context_settle(context);
+    if (!context->unseen && !library_any_connected(library)) {
+        timer_clear(library);
+        watch_fd_clear(library);
+        library->initialised = false;
+    }
+    library_changed(library);
+}
+
+void context_settle(struct _X_IPC_CONTEXT *context)
+{
+    if (context_is_open(context) || context->turn.depth > 0) {
+        return;
+    }
+    notify_clear(context);
+    subscription_clear(context);
+    registry_clear(context);
+    table_fini(&context->broadcasts);
+    table_init(&context->broadcasts, TABLE_FOLDING);
+    intmap_fini(&context->awaited);
+    intmap_init(&context->awaited);
+    free(context->module_name);
+    context->module_name = NULL;
+}
+
+void context_lose(struct _X_IPC_CONTEXT *context, bool noticed)
+{
+    if (context_is_open(context)) {
+        context->loss_noticed = noticed;
+        context_close(context, context->unseen ? CONTEXT_CLOSED : CONTEXT_LOST);
+    }
+}
+
+struct _X_IPC_CONTEXT *context_take_loss(struct library *library, bool all)
+{
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        struct _X_IPC_CONTEXT *context =
+            LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
+        if (context->state == CONTEXT_LOST && (all || context->loss_noticed)) {
+            context->state = CONTEXT_CLOSED;
+            return context;
+        }
+    }
+    return NULL;
+}

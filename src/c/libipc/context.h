@@ -1,0 +1,112 @@
+/*
+ * Contexts: one connection to one central, with everything that depends on it.
+ *
+ * A context is never freed, because programs keep its address; when its
+ * connection has ended it is an empty husk that says so.  Its state goes only
+ * forward, and context_close is the one place where a connection ends.
+ */
+#ifndef IPC_LIBIPC_CONTEXT_H
+#define IPC_LIBIPC_CONTEXT_H
+
+#include "libipc/library.h"
+#include "link/link.h"
+
+enum { GREETING_PARTS = 3 }; /* a number and two frames */
+
+enum context_state {
+    CONTEXT_CONNECTING, /* handshake under way */
+    CONTEXT_CONNECTED,
+    CONTEXT_LOST,  /* the connection broke and nobody has been told yet */
+    CONTEXT_CLOSED /* a husk */
+};
+
+/* A reply that somebody waits for: an answer of central, or the response to a query. */
+struct awaited {
+    int32_t reference;
+    bool done;
+    bool failed;         /* the connection ended first */
+    uint8_t *data;       /* malloc block, the waiter's once done; NULL for no data */
+    size_t length;
+    enum byte_order order;
+    char *name;          /* message of the response, malloc; NULL in answers of central */
+    bool notify;         /* a malloc'ed one whose handler is to be called */
+    HANDLER_TYPE handler;
+    void *client_data;
+};
+
+struct _X_IPC_CONTEXT {
+    struct library *library;
+    struct list in_library;
+    enum context_state state;
+    bool unseen;           /* no program has got its address, and none does before it is connected */
+    unsigned greeting;     /* parts of central's greeting taken so far, GREETING_PARTS: all */
+    bool shown_as_lost;    /* the exit procedure runs for it: IPC_getContext gives it */
+    bool loss_noticed;     /* by reading: the call that noticed reports it */
+    char *server_name;     /* as given to connect, owned; kept in the husk */
+    char *module_name;
+    int port;
+    bool will_listen;
+    bool new_central;      /* central of this project: its promises may be relied on */
+
+    struct link link;
+    bool try_first;        /* the last attempt to read found something */
+    int32_t last_reference;
+    int32_t library_ids[LM_COUNT]; /* 0: not looked up yet */
+    struct intmap awaited;         /* reference -> struct awaited */
+
+    struct table messages;         /* name -> struct message */
+    struct table handlers;         /* handler name -> struct handler, for the life of the connection */
+    struct idpool handler_ids;
+
+    struct list inbox;             /* of struct instance, in the order in which they run */
+    size_t n_inbox;
+    unsigned unfinished;           /* deliveries of central not yet acknowledged */
+    uint64_t acknowledged_ns;      /* when the oldest acknowledgement that waits was queued, 0: none */
+    struct list delayed;           /* of struct instance, response still to come */
+    struct turn turn;
+
+    struct table broadcasts;       /* names that have subscribers, valid if broadcasts_known */
+    bool broadcasts_known;
+
+    struct list connect_watchers;    /* of struct watcher, latest first */
+    struct list disconnect_watchers;
+    struct list change_watchers;
+};
+
+/* A context in state connecting over that socket; the current one stays what it is. */
+struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *module_name,
+                                   const char *server_name, int port, bool will_listen);
+
+/* Undoes context_new after a failed handshake; nobody has seen the context. */
+void context_discard(struct _X_IPC_CONTEXT *context);
+
+static inline bool context_is_connected(const struct _X_IPC_CONTEXT *context)
+{
+    return context->state == CONTEXT_CONNECTED;
+}
+
+static inline bool context_is_open(const struct _X_IPC_CONTEXT *context)
+{
+    return context->state == CONTEXT_CONNECTED || context->state == CONTEXT_CONNECTING;
+}
+
+/* Whether pointer is a context of this library, closed or not. */
+bool context_is_known(const struct library *library, const struct _X_IPC_CONTEXT *pointer);
+
+/*
+ * Ends the connection: closes the socket, drops what is queued, fails whoever
+ * waits.  The new state is CONTEXT_LOST or CONTEXT_CLOSED.
+ */
+void context_close(struct _X_IPC_CONTEXT *context, enum context_state state);
+
+/* Frees what the connection left behind, once no callback of it runs any more. */
+void context_settle(struct _X_IPC_CONTEXT *context);
+
+/* The connection broke.  noticed: found by a call that may report it right away. */
+void context_lose(struct _X_IPC_CONTEXT *context, bool noticed);
+
+/* A lost context that is to be reported now, which closes it; NULL: none.  all: also those that
+ * a failed write found. */
+struct _X_IPC_CONTEXT *context_take_loss(struct library *library, bool all);
+
+#endif

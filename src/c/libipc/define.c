@@ -1,0 +1,91 @@
+/*
+ * Defining messages and named formats.
+ */
+#include "libipc/define.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/error.h"
+#include "base/limits.h"
+#include "libipc/exchange.h"
+#include "libipc/formatter.h"
+#include "libipc/registry.h"
+#include "libipc/report.h"
+
+#define VARIABLE_WIRE "{int, <byte:1>}"
+
+/* Whether length and format fit each other; the format is parsed to know its size. */
+static IPC_ERROR_TYPE check(struct library *library, unsigned int length, const char *text)
+{
+    struct format *format;
+    const enum formatter_result result = formatter_parse(library, text, &format);
+    if (length == IPC_VARIABLE_LENGTH) {
+        /* A name that is not known yet may still be defined. */
+        return result == FORMATTER_ILLEGAL ? IPC_Illegal_Formatter : IPC_No_Error;
+    }
+    if (result != FORMATTER_OK || (format != NULL && format_size(format) != length)) {
+        return IPC_Mismatched_Formatter;
+    }
+    return length <= LIMIT_DATA ? IPC_No_Error : IPC_Argument_Out_Of_Range;
+}
+
+/* A definition that this module has used before is not what it will use from now on. */
+static void renew(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
+                  const char *text)
+{
+    struct message *message = table_find(&context->messages, name);
+    struct format *format;
+    if (message == NULL || !message->known) {
+        return;
+    }
+    const enum wire_kind wire = length == IPC_VARIABLE_LENGTH ? WIRE_VARIABLE
+                                : length == 0                 ? WIRE_NONE
+                                                              : WIRE_FIXED;
+    const bool same_format = formatter_parse(context->library, text, &format) == FORMATTER_OK &&
+                             format_equal(format, message->content);
+    if (message->wire != wire || (wire == WIRE_FIXED && message->fixed_length != length) ||
+        !same_format) {
+        report_warning("WARNING: Redefining message %s\n", name);
+    }
+    registry_renew(message);
+}
+
+IPC_ERROR_TYPE define_message(struct _X_IPC_CONTEXT *context, const char *name,
+                              unsigned int length, const char *text)
+{
+    char fixed_wire[32];
+    struct library *library = context->library;
+    IPC_ERROR_TYPE error = check(library, length, text);
+    if (error != IPC_No_Error) {
+        return error;
+    }
+    renew(context, name, length, text);
+    snprintf(fixed_wire, sizeof fixed_wire, "[byte:%u]", length);
+    char *wire = length == IPC_VARIABLE_LENGTH ? (char *)(uintptr_t)VARIABLE_WIRE
+                 : length == 0                 ? NULL
+                                               : fixed_wire;
+    char *portable = formatter_portable(library, text);
+    struct message_definition definition = {(char *)(uintptr_t)name, CLASS_BROADCAST, wire,
+                                            portable};
+    error = exchange_notice(context, LM_DEFINE_MESSAGE, &definition);
+    free(portable);
+    return error;
+}
+
+IPC_ERROR_TYPE define_format(struct library *library, struct _X_IPC_CONTEXT *context,
+                             const char *name, const char *text)
+{
+    const int error = formatter_define(library, name, text);
+    if (error != 0) {
+        return report_code(error);
+    }
+    if (context == NULL) {
+        return IPC_No_Error;
+    }
+    char *portable = formatter_portable(library, text);
+    struct two_names definition = {(char *)(uintptr_t)name, portable};
+    const IPC_ERROR_TYPE told = exchange_notice(context, LM_DEFINE_FORMAT, &definition);
+    free(portable);
+    return told;
+}

@@ -1,0 +1,16 @@
+/*
+ * Defining messages and named formats at central.
+ */
+#ifndef IPC_LIBIPC_DEFINE_H
+#define IPC_LIBIPC_DEFINE_H
+
+#include "libipc/context.h"
+
+IPC_ERROR_TYPE define_message(struct _X_IPC_CONTEXT *context, const char *name,
+                              unsigned int length, const char *format);
+
+/* context NULL: in this process only. */
+IPC_ERROR_TYPE define_format(struct library *library, struct _X_IPC_CONTEXT *context,
+                             const char *name, const char *text);
+
+#endif

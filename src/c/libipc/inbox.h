@@ -1,0 +1,20 @@
+/*
+ * The inbox: instances that wait for their handlers, in the order in which
+ * these run: by priority, then by arrival.
+ */
+#ifndef IPC_LIBIPC_INBOX_H
+#define IPC_LIBIPC_INBOX_H
+
+#include "libipc/instance.h"
+
+/* Takes the instance over.  If its message has a limit that is reached, the oldest one makes room:
+ * it is acknowledged and freed, and a warning is printed. */
+void inbox_add(struct instance *instance);
+
+/* Takes the first instance out; NULL: empty. */
+struct instance *inbox_take(struct _X_IPC_CONTEXT *context);
+
+/* Frees all of them. */
+void inbox_clear(struct _X_IPC_CONTEXT *context);
+
+#endif

@@ -1,0 +1,158 @@
+/*
+ * The library's state: making it, locking it, and leaving it for callbacks.
+ */
+#include "libipc/library.h"
+
+#include "base/memory.h"
+#include "libipc/context.h"
+
+/* The one mutable static of the library; everything else is reached from here. */
+static struct library the_library;
+
+static void library_make(void)
+{
+    struct library *library = &the_library;
+    library->lock = mutex_new();
+    library->changed = condition_new();
+    library->waker.read_fd = library->waker.write_fd = -1;
+    list_init(&library->contexts);
+    table_init(&library->formatters, TABLE_EXACT);
+    list_init(&library->timers);
+    idpool_init(&library->timer_ids);
+    library->next_timer_ns = UINT64_MAX;
+    list_init(&library->watched_fds);
+    idpool_init(&library->instances);
+    list_init(&library->spare_instances);
+    intmap_init(&library->known_arrays);
+    list_init(&library->known_order);
+    buffer_init(&library->scratch);
+    library->names = format_names_new();
+}
+
+struct library *library_enter(void)
+{
+    thread_once(library_make);
+    mutex_lock(the_library.lock);
+    return &the_library;
+}
+
+void library_leave(struct library *library)
+{
+    mutex_unlock(library->lock);
+}
+
+void library_changed(struct library *library)
+{
+    if (library->polling) {
+        waker_wake(&library->waker);
+    }
+    if (library->sleepers > 0) {
+        condition_tell_all(library->changed);
+    }
+}
+
+/* What is made once and kept, whatever happens to the connections. */
+static void library_prepare(struct library *library)
+{
+    if (library->variable_wire != NULL) {
+        return;
+    }
+    /* Neither can fail but for lack of memory, with which no program starts. */
+    (void)catalogue_init(&library->catalogue);
+    (void)format_parse("{int, <byte:1>}", NULL, &library->variable_wire, NULL);
+}
+
+/* A new life after the last connection has ended: what belonged to the old one is forgotten. */
+static void library_restart(struct library *library)
+{
+    if (library->used && !library->names_busy) {
+        format_names_free(library->names);
+        library->names = format_names_new();
+    }
+    library->exit_procedure = NULL;
+}
+
+void library_initialise(struct library *library)
+{
+    library_prepare(library);
+    if (!library->initialised && !library_any_connected(library)) {
+        library_restart(library);
+    }
+    if (library->waker.read_fd < 0) {
+        (void)waker_open(&library->waker); /* without it other threads are only noticed later */
+    }
+    library->initialised = true;
+    library->used = true;
+}
+
+/* ---------------------------------------------------------------- contexts */
+
+struct running *library_running(const struct library *library)
+{
+    struct running *running = library->running;
+    const uintptr_t thread = running != NULL ? thread_number() : 0;
+    while (running != NULL && running->thread != thread) {
+        running = running->outer;
+    }
+    return running;
+}
+
+struct _X_IPC_CONTEXT *library_context(const struct library *library)
+{
+    const struct running *running = library_running(library);
+    return running != NULL && running->own_context ? running->context : library->current;
+}
+
+struct _X_IPC_CONTEXT *library_connected(const struct library *library)
+{
+    struct _X_IPC_CONTEXT *context = library_context(library);
+    return context != NULL && context_is_connected(context) ? context : NULL;
+}
+
+bool library_any_connected(const struct library *library)
+{
+    struct list *position;
+    struct list *following;
+    LIST_EACH (position, following, &library->contexts) {
+        if (context_is_connected(LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool library_is_ready(const struct library *library)
+{
+    return library->initialised || library_connected(library) != NULL;
+}
+
+/* --------------------------------------------------------------- callbacks */
+
+bool turn_is_free(const struct turn *turn)
+{
+    return turn->thread == 0 || turn->thread == thread_number();
+}
+
+void library_call_begin(struct library *library, struct turn *turn, struct running *running)
+{
+    running->thread = thread_number();
+    running->outer = library->running;
+    library->running = running;
+    turn->thread = running->thread;
+    turn->depth++;
+    library_leave(library);
+}
+
+void library_call_end(struct library *library, struct turn *turn, struct running *running)
+{
+    mutex_lock(library->lock);
+    struct running **link = &library->running;
+    while (*link != running) {
+        link = &(*link)->outer;
+    }
+    *link = running->outer;
+    if (--turn->depth == 0) {
+        turn->thread = 0;
+        library_changed(library); /* others may have waited for their turn */
+    }
+}

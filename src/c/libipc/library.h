@@ -1,0 +1,126 @@
+/*
+ * The library's state in this process.
+ *
+ * There is one struct library, because the API has one current context, one
+ * verbosity and one set of timers and descriptors.  Every function below the API
+ * takes it, or a context that leads to it, as an argument.
+ *
+ * One lock guards all of it.  An API function enters (takes the lock), works, and
+ * leaves.  The lock is given up only inside wait_turn, while the kernel waits, and
+ * inside library_call_out, while a user's function runs; whoever holds pointers
+ * across one of these looks again at what may have changed.
+ */
+#ifndef IPC_LIBIPC_LIBRARY_H
+#define IPC_LIBIPC_LIBRARY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ipc/ipc.h"
+
+#include "base/buffer.h"
+#include "base/idpool.h"
+#include "base/intmap.h"
+#include "base/list.h"
+#include "base/table.h"
+#include "format/format.h"
+#include "format/names.h"
+#include "platform/platform.h"
+#include "wire/catalogue.h"
+
+struct _X_IPC_CONTEXT;
+struct instance;
+
+/* Which thread runs callbacks on behalf of something, and how deeply nested. */
+struct turn {
+    uintptr_t thread; /* 0: nobody */
+    unsigned depth;
+};
+
+/* One callback that is running; lives on the stack of the thread that runs it. */
+struct running {
+    struct running *outer; /* of any thread, in library.running */
+    uintptr_t thread;
+    struct _X_IPC_CONTEXT *context; /* current for this thread; NULL: the process-wide one */
+    bool own_context;               /* IPC_setContext changes context here, not process-wide */
+    int32_t dispatch;               /* parent of what the callback sends, NO_ID: none */
+    const void *content;            /* byte array that the callback was given, or NULL */
+    size_t content_length;
+    enum byte_order content_order;
+};
+
+struct library {
+    struct mutex *lock;
+    struct condition *changed; /* told whenever something that a waiting thread may want changes */
+    bool polling;              /* a thread waits in the kernel for all others */
+    unsigned sleepers;         /* threads that wait for it in turn */
+    unsigned listeners;        /* threads inside a listening call */
+    struct waker waker;        /* ends the wait in the kernel */
+
+    bool initialised;
+    bool used;                         /* has ever been initialised: errors may end the process */
+    struct list contexts;              /* of struct _X_IPC_CONTEXT, also closed ones: they are never freed */
+    struct _X_IPC_CONTEXT *current;    /* may be closed */
+    struct running *running;           /* innermost of all threads */
+    struct turn turn;                  /* of timers and descriptors that no context owns */
+    void (*exit_procedure)(void);
+    bool in_exit_procedure;
+
+    struct catalogue catalogue;
+    struct format *variable_wire;  /* wire format of variable-length messages */
+    struct format_names *names;
+    bool names_busy;               /* a thread parses; names must not change */
+    struct table formatters;       /* canonical text -> struct format, kept for ever */
+
+    struct list timers;            /* in the order in which they were added */
+    struct idpool timer_ids;
+    uint64_t next_timer_ns;        /* earliest due time, UINT64_MAX: none */
+    uint64_t timer_passes;         /* times that due timers were looked for */
+    struct list watched_fds;       /* in ascending order */
+    int max_fd;                    /* largest descriptor that was ever waited for */
+    struct idpool instances;       /* numbers behind MSG_INSTANCE */
+    struct list spare_instances;
+
+    struct intmap known_arrays;    /* address -> struct known_array */
+    struct list known_order;       /* oldest first */
+    struct buffer scratch;         /* for encoding; empty while a thread uses it */
+};
+
+/* Takes the lock; makes the library at the first call. */
+struct library *library_enter(void);
+
+/* Gives the lock back. */
+void library_leave(struct library *library);
+
+/* Tells threads that wait, in the kernel or in turn, to look again. */
+void library_changed(struct library *library);
+
+/* Puts the library into state initialised if it is fresh or disconnected. */
+void library_initialise(struct library *library);
+
+/* The context that calls of this thread act on: NULL in state fresh; may be closed. */
+struct _X_IPC_CONTEXT *library_context(const struct library *library);
+
+/* The same if it is connected, else NULL. */
+struct _X_IPC_CONTEXT *library_connected(const struct library *library);
+
+/* Whether any context is connected. */
+bool library_any_connected(const struct library *library);
+
+/* Whether marshalling calls work: initialised, or the current context is connected. */
+bool library_is_ready(const struct library *library);
+
+/* The innermost callback of this thread, or NULL. */
+struct running *library_running(const struct library *library);
+
+/* A callback begins: the lock is given up.  running is the caller's and filled in by it. */
+void library_call_begin(struct library *library, struct turn *turn, struct running *running);
+
+/* It has returned: the lock is held again. */
+void library_call_end(struct library *library, struct turn *turn, struct running *running);
+
+/* Whether this thread may run callbacks of that turn now: nobody does, or it does itself. */
+bool turn_is_free(const struct turn *turn);
+
+#endif

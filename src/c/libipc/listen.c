@@ -1,0 +1,160 @@
+/*
+ * Listening.
+ *
+ *     due timers  ->  ready descriptors, ascending  ->  messages  ->  due timers
+ *
+ * If the first round finds nothing, the thread waits and tries again.
+ */
+#include "libipc/listen.h"
+
+#include "libipc/context.h"
+#include "libipc/deliver.h"
+#include "libipc/exchange.h"
+#include "libipc/inbox.h"
+#include "libipc/receive.h"
+#include "libipc/timer.h"
+#include "libipc/wait.h"
+#include "libipc/watch_fd.h"
+
+/* Acknowledgements may wait for company, but not for longer than this. */
+enum { ACKNOWLEDGE_NS = 1000000 };
+
+static struct _X_IPC_CONTEXT *context_at(struct list *position)
+{
+    return LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
+}
+
+/* Takes in what has arrived where it is likely that something has, or, if urgent, everywhere. */
+static void look(struct library *library, bool urgent)
+{
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        struct _X_IPC_CONTEXT *context = context_at(position);
+        if (context_is_connected(context) && context->n_inbox == 0 &&
+            (urgent || context->try_first)) {
+            context->try_first = receive(context);
+        }
+    }
+    if (!list_is_empty(&library->watched_fds)) {
+        wait_poll_fds(library);
+    }
+}
+
+static void flush_late_acknowledgements(struct _X_IPC_CONTEXT *context)
+{
+    if (context->acknowledged_ns != 0 &&
+        clock_ns() - context->acknowledged_ns > ACKNOWLEDGE_NS) {
+        (void)exchange_flush(context); /* a loss shows in the context's state */
+    }
+}
+
+/* Runs up to limit messages of one context, but none that come while they run. */
+static int run_messages(struct _X_IPC_CONTEXT *context, int limit)
+{
+    int n_run = 0;
+    size_t n_waiting = context->n_inbox;
+    while (n_waiting-- > 0 && n_run < limit && context_is_connected(context) &&
+           turn_is_free(&context->turn)) {
+        struct instance *instance = inbox_take(context);
+        if (instance == NULL) {
+            break; /* a nested call has been faster */
+        }
+        deliver(instance);
+        flush_late_acknowledgements(context);
+        n_run++;
+    }
+    return n_run;
+}
+
+static int run_all_messages(struct library *library, int limit)
+{
+    int n_run = 0;
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts && n_run < limit; position = position->next) {
+        n_run += run_messages(context_at(position), limit - n_run);
+    }
+    return n_run;
+}
+
+static int run_events(struct library *library, enum listen_mode mode)
+{
+    if (mode == LISTEN_ONE) {
+        const int n_run = run_all_messages(library, 1);
+        return n_run > 0 ? n_run : watch_fd_run_ready(library, 1);
+    }
+    const int n_fds = watch_fd_run_ready(library, INT32_MAX);
+    return n_fds + run_all_messages(library, INT32_MAX);
+}
+
+static void flush_acknowledgements(struct library *library)
+{
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        struct _X_IPC_CONTEXT *context = context_at(position);
+        if (context_is_connected(context) && context->n_inbox == 0 &&
+            link_waiting(&context->link) > 0) {
+            (void)exchange_flush(context); /* a loss shows in the context's state */
+        }
+    }
+}
+
+static bool is_answered(const struct awaited *awaited)
+{
+    return awaited != NULL && (awaited->done || awaited->failed);
+}
+
+static enum listen_result rounds(struct library *library, uint64_t deadline_ns,
+                                 enum listen_mode mode, const struct awaited *awaited)
+{
+    for (;;) {
+        bool over = wait_is_over(deadline_ns);
+        timer_run_due(library);
+        if (awaited == NULL && library_connected(library) == NULL) {
+            return LISTEN_NOTHING; /* a timer has disconnected */
+        }
+        look(library, over);
+        if (is_answered(awaited)) {
+            return LISTEN_NOTHING;
+        }
+        if (watch_fd_broken(library) >= 0) {
+            return LISTEN_BAD_DESCRIPTOR;
+        }
+        if (run_events(library, mode) > 0) {
+            timer_run_due(library);
+            return LISTEN_HANDLED;
+        }
+        if (awaited == NULL && library_connected(library) == NULL) {
+            return LISTEN_DISCONNECTED;
+        }
+        if (over) {
+            return LISTEN_NOTHING;
+        }
+        wait_turn(library, deadline_ns);
+        if (awaited == NULL && library_connected(library) == NULL) {
+            return LISTEN_DISCONNECTED;
+        }
+    }
+}
+
+enum listen_result listen_pass(struct library *library, uint64_t deadline_ns,
+                               enum listen_mode mode)
+{
+    if (library_connected(library) == NULL) {
+        return LISTEN_DISCONNECTED;
+    }
+    library->listeners++;
+    const enum listen_result result = rounds(library, deadline_ns, mode, NULL);
+    flush_acknowledgements(library);
+    library->listeners--;
+    return result;
+}
+
+enum listen_result listen_pass_for(struct library *library, uint64_t deadline_ns,
+                                   const struct awaited *awaited)
+{
+    library->listeners++;
+    const enum listen_result result = rounds(library, deadline_ns, LISTEN_BATCH, awaited);
+    flush_acknowledgements(library);
+    library->listeners--;
+    return result;
+}

@@ -1,0 +1,275 @@
+/*
+ * Watching modules and subscriptions.
+ *
+ * Central's broadcasts become notices in the inbox, so that watchers run in
+ * listening calls like any handler, and are acknowledged when they have run.
+ */
+#include "libipc/notify.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "libipc/exchange.h"
+#include "libipc/inbox.h"
+#include "libipc/registry.h"
+#include "libipc/subscription.h"
+
+typedef void (*any_function)(void);
+
+static struct watcher *watcher_at(struct list *position)
+{
+    return LIST_OWNER(position, struct watcher, in_context);
+}
+
+static bool is_about(const struct watcher *watcher, const char *message)
+{
+    return message == NULL || table_same_name(TABLE_FOLDING, watcher->message, message);
+}
+
+static struct watcher *watcher_find(struct list *watchers, any_function function,
+                                    const char *message)
+{
+    struct list *position = watchers->next;
+    for (; position != watchers; position = position->next) {
+        struct watcher *watcher = watcher_at(position);
+        if ((function == NULL || watcher->function == function) && is_about(watcher, message)) {
+            return watcher;
+        }
+    }
+    return NULL;
+}
+
+static void watcher_add(struct list *watchers, any_function function, const char *message,
+                        void *client_data)
+{
+    struct watcher *watcher = watcher_find(watchers, function, message);
+    if (watcher == NULL) {
+        watcher = mem_new(sizeof *watcher);
+        watcher->function = function;
+        watcher->message = mem_copy_string(message);
+        list_prepend(watchers, &watcher->in_context);
+    }
+    watcher->client_data = client_data;
+}
+
+static void watcher_free(struct watcher *watcher)
+{
+    list_remove(&watcher->in_context);
+    free(watcher->message);
+    free(watcher);
+}
+
+static bool watcher_drop(struct list *watchers, any_function function, const char *message)
+{
+    struct watcher *watcher = watcher_find(watchers, function, message);
+    if (watcher != NULL) {
+        watcher_free(watcher);
+    }
+    return watcher != NULL;
+}
+
+/* -------------------------------------------------------------------- notices */
+
+static void queue_notice(struct _X_IPC_CONTEXT *context, const struct frame *frame,
+                         struct list *watchers, char *name, int count)
+{
+    struct instance *notice = instance_new(context, INSTANCE_NOTICE);
+    notice->dispatch = frame->reference;
+    notice->watchers = watchers;
+    notice->notice_name = name;
+    notice->notice_count = count;
+    inbox_add(notice);
+}
+
+static bool take_module_event(struct _X_IPC_CONTEXT *context, const struct frame *frame,
+                              struct list *watchers)
+{
+    char *name = NULL;
+    const struct format *format = context->library->catalogue.request[LM_CONNECTED];
+    if (payload_decode(format, frame->data, frame->data_length,
+                       (enum byte_order)frame->data_order, &name) != 0 ||
+        name == NULL) {
+        return true; /* nothing that anybody could be told */
+    }
+    queue_notice(context, frame, watchers, name, 0);
+    return false;
+}
+
+static bool take_connect(struct _X_IPC_CONTEXT *context, struct handler *handler,
+                         const struct frame *frame)
+{
+    (void)handler;
+    return take_module_event(context, frame, &context->connect_watchers);
+}
+
+static bool take_disconnect(struct _X_IPC_CONTEXT *context, struct handler *handler,
+                            const struct frame *frame)
+{
+    (void)handler;
+    return take_module_event(context, frame, &context->disconnect_watchers);
+}
+
+static bool take_change(struct _X_IPC_CONTEXT *context, struct handler *handler,
+                        const struct frame *frame)
+{
+    const struct format *format = context->library->catalogue.handler_list;
+    const char *name = handler->name + sizeof VARIABLE_WATCH - 1;
+    struct handler_list list;
+    if (payload_decode(format, frame->data, frame->data_length,
+                       (enum byte_order)frame->data_order, &list) != 0) {
+        return true;
+    }
+    const int count = list.count;
+    (void)format_release(format, &list);
+    queue_notice(context, frame, &context->change_watchers, mem_copy_string(name), count);
+    return false;
+}
+
+/* A copy of what is to be called: watchers come and go while the others run. */
+struct call {
+    any_function function;
+    void *client_data;
+};
+
+static size_t list_calls(const struct instance *notice, const char *message, struct call **calls)
+{
+    size_t n_calls = 0;
+    size_t room = 0;
+    struct list *position = notice->watchers->next;
+    *calls = NULL;
+    for (; position != notice->watchers; position = position->next) {
+        const struct watcher *watcher = watcher_at(position);
+        if (is_about(watcher, message)) {
+            if (n_calls == room) {
+                room = room == 0 ? 4 : room * 2;
+                *calls = mem_resize(*calls, room, sizeof **calls);
+            }
+            (*calls)[n_calls].function = watcher->function;
+            (*calls)[n_calls++].client_data = watcher->client_data;
+        }
+    }
+    return n_calls;
+}
+
+static void run(struct instance *notice, const struct call *call, bool change)
+{
+    struct _X_IPC_CONTEXT *context = notice->context;
+    struct running running = {NULL, 0, context, true, notice->dispatch, NULL, 0, ORDER_LITTLE};
+    const char *name = notice->notice_name;
+    library_call_begin(context->library, &context->turn, &running);
+    if (change) {
+        ((CHANGE_HANDLE_TYPE)call->function)(name, notice->notice_count, call->client_data);
+    } else {
+        ((CONNECT_HANDLE_TYPE)call->function)(name, call->client_data);
+    }
+    library_call_end(context->library, &context->turn, &running);
+}
+
+void notify_run(struct instance *notice)
+{
+    struct _X_IPC_CONTEXT *context = notice->context;
+    struct call *calls;
+    const bool change = notice->watchers == &context->change_watchers;
+    const size_t n_calls = list_calls(notice, change ? notice->notice_name : NULL, &calls);
+    for (size_t i = 0; i < n_calls && context_is_connected(context); i++) {
+        run(notice, &calls[i], change);
+    }
+    free(calls);
+}
+
+/* ---------------------------------------------------------------- subscribing */
+
+static struct list *watchers_of(struct _X_IPC_CONTEXT *context, enum module_event event)
+{
+    return event == MODULE_CONNECTS ? &context->connect_watchers : &context->disconnect_watchers;
+}
+
+static const char *broadcast_of(enum module_event event)
+{
+    return library_messages[event == MODULE_CONNECTS ? LM_CONNECTED : LM_DISCONNECTED].name;
+}
+
+IPC_ERROR_TYPE notify_add(struct _X_IPC_CONTEXT *context, enum module_event event,
+                          CONNECT_HANDLE_TYPE handler, void *client_data)
+{
+    struct list *watchers = watchers_of(context, event);
+    const bool first = list_is_empty(watchers);
+    watcher_add(watchers, (any_function)handler, NULL, client_data);
+    if (!first) {
+        return IPC_No_Error;
+    }
+    return subscription_add_internal(context, broadcast_of(event),
+                                     event == MODULE_CONNECTS ? take_connect : take_disconnect);
+}
+
+IPC_ERROR_TYPE notify_remove(struct _X_IPC_CONTEXT *context, enum module_event event,
+                             CONNECT_HANDLE_TYPE handler)
+{
+    struct list *watchers = watchers_of(context, event);
+    if (!watcher_drop(watchers, (any_function)handler, NULL) || !list_is_empty(watchers)) {
+        return IPC_No_Error;
+    }
+    return subscription_remove(context, broadcast_of(event));
+}
+
+/* Name of the broadcast of a message's handlers; the caller frees it. */
+static char *watch_name(const char *message)
+{
+    const size_t size = sizeof VARIABLE_WATCH + strlen(message);
+    char *name = mem_new(size);
+    snprintf(name, size, "%s%s", VARIABLE_WATCH, message);
+    return name;
+}
+
+IPC_ERROR_TYPE notify_add_change(struct _X_IPC_CONTEXT *context, const char *message,
+                                 CHANGE_HANDLE_TYPE handler, void *client_data)
+{
+    struct message *found;
+    IPC_ERROR_TYPE error = registry_find(context, message, true, &found);
+    if (error != IPC_No_Error) {
+        return error;
+    }
+    const bool first = watcher_find(&context->change_watchers, NULL, found->name) == NULL;
+    watcher_add(&context->change_watchers, (any_function)handler, found->name, client_data);
+    if (!first) {
+        return IPC_No_Error;
+    }
+    char *name = mem_copy_string(found->name);
+    error = exchange_notice(context, LM_WATCH_HANDLERS, &name);
+    if (error == IPC_No_Error) {
+        char *watched = watch_name(name);
+        error = subscription_add_internal(context, watched, take_change);
+        free(watched);
+    }
+    free(name);
+    return error;
+}
+
+IPC_ERROR_TYPE notify_remove_change(struct _X_IPC_CONTEXT *context, const char *message,
+                                    CHANGE_HANDLE_TYPE handler)
+{
+    if (!watcher_drop(&context->change_watchers, (any_function)handler, message) ||
+        watcher_find(&context->change_watchers, NULL, message) != NULL) {
+        return IPC_No_Error;
+    }
+    char *watched = watch_name(message);
+    const IPC_ERROR_TYPE error = subscription_remove(context, watched);
+    free(watched);
+    return error;
+}
+
+static void clear(struct list *watchers)
+{
+    while (!list_is_empty(watchers)) {
+        watcher_free(watcher_at(watchers->next));
+    }
+}
+
+void notify_clear(struct _X_IPC_CONTEXT *context)
+{
+    clear(&context->connect_watchers);
+    clear(&context->disconnect_watchers);
+    clear(&context->change_watchers);
+}

@@ -1,0 +1,33 @@
+/*
+ * Watching other modules come and go, and subscriptions change.
+ */
+#ifndef IPC_LIBIPC_NOTIFY_H
+#define IPC_LIBIPC_NOTIFY_H
+
+#include "libipc/context.h"
+#include "libipc/instance.h"
+
+struct watcher {
+    struct list in_context; /* latest first */
+    void (*function)(void); /* CONNECT_HANDLE_TYPE or CHANGE_HANDLE_TYPE */
+    void *client_data;
+    char *message; /* change watchers: which message, owned; else NULL */
+};
+
+enum module_event { MODULE_CONNECTS, MODULE_DISCONNECTS };
+
+IPC_ERROR_TYPE notify_add(struct _X_IPC_CONTEXT *context, enum module_event event,
+                          CONNECT_HANDLE_TYPE handler, void *client_data);
+IPC_ERROR_TYPE notify_remove(struct _X_IPC_CONTEXT *context, enum module_event event,
+                             CONNECT_HANDLE_TYPE handler);
+IPC_ERROR_TYPE notify_add_change(struct _X_IPC_CONTEXT *context, const char *message,
+                                 CHANGE_HANDLE_TYPE handler, void *client_data);
+IPC_ERROR_TYPE notify_remove_change(struct _X_IPC_CONTEXT *context, const char *message,
+                                    CHANGE_HANDLE_TYPE handler);
+
+/* Calls the watchers of a notice. */
+void notify_run(struct instance *notice);
+
+void notify_clear(struct _X_IPC_CONTEXT *context);
+
+#endif

@@ -1,0 +1,153 @@
+/*
+ * Sending user messages.
+ */
+#include "libipc/publish.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/limits.h"
+#include "libipc/exchange.h"
+#include "libipc/receive.h"
+#include "libipc/report.h"
+
+/* --------------------------------------------------------------------- length */
+
+static IPC_ERROR_TYPE wrong_length(const char *kind, const struct message *message,
+                                   unsigned int length, IPC_ERROR_TYPE error)
+{
+    report_warning("Illegal length argument %d for %s message %s\n", (int)length, kind,
+                   message->name);
+    return error;
+}
+
+IPC_ERROR_TYPE publish_check_length(const struct message *message, unsigned int *length)
+{
+    if (message->wire == WIRE_VARIABLE) {
+        if (*length == IPC_FIXED_LENGTH) {
+            return wrong_length("variable-length", message, *length, IPC_Not_Fixed_Length);
+        }
+        if (*length == IPC_VARIABLE_LENGTH) {
+            return wrong_length("variable-length", message, *length, IPC_Message_Lengths_Differ);
+        }
+        return *length <= LIMIT_DATA - 8 ? IPC_No_Error : IPC_Argument_Out_Of_Range;
+    }
+    if (*length != IPC_FIXED_LENGTH && *length != message->fixed_length) {
+        if (message->wire == WIRE_NONE) {
+            report_warning("Illegal length argument %d for zero-length message\n %s\n",
+                           (int)*length, message->name);
+            return IPC_Message_Lengths_Differ;
+        }
+        return wrong_length("fixed-length", message, *length, IPC_Message_Lengths_Differ);
+    }
+    *length = (unsigned int)message->fixed_length;
+    return IPC_No_Error;
+}
+
+/* --------------------------------------------------------------------- frames */
+
+IPC_ERROR_TYPE publish_frame(struct _X_IPC_CONTEXT *context, struct frame *frame,
+                             const struct message *message, const void *content, size_t length)
+{
+    int32_t envelope[2] = {(int32_t)length, (int32_t)length};
+    const size_t prefix = message->wire == WIRE_VARIABLE ? sizeof envelope : 0;
+    frame->data_length = (uint32_t)(prefix + length);
+    const uint64_t mark =
+        link_queue_borrowed(&context->link, frame, envelope, prefix, content, length);
+    return exchange_drain(context, mark);
+}
+
+/*
+ * A message that nobody subscribes to need not be sent, if that is certain: central
+ * keeps every listening module informed, and a subscription is only complete when the
+ * news is in this module's socket.  So what the socket holds is taken in first, and the
+ * message is sent in any case if the news might be stuck behind something else.
+ * Only centrals of this project make that promise.
+ */
+static bool nobody_subscribes(struct _X_IPC_CONTEXT *context, const struct message *message)
+{
+    if (!context->will_listen || !context->new_central || !context->broadcasts_known ||
+        message->n_subscriptions > 0 || context->unfinished > 0 ||
+        table_find(&context->broadcasts, message->name) != NULL) {
+        return false;
+    }
+    const bool came = receive(context);
+    return !came && context_is_connected(context) && reader_is_empty(&context->link.reader) &&
+           link_waiting(&context->link) == 0;
+}
+
+IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
+                       const void *content)
+{
+    struct message *message;
+    struct frame frame;
+    IPC_ERROR_TYPE error = registry_find(context, name, true, &message);
+    if (error == IPC_No_Error) {
+        error = publish_check_length(message, &length);
+    }
+    if (error == IPC_No_Error && content == NULL && length > 0) {
+        error = IPC_Null_Argument;
+    }
+    if (error != IPC_No_Error || nobody_subscribes(context, message)) {
+        return error;
+    }
+    if (!context_is_connected(context)) {
+        return IPC_Not_Connected;
+    }
+    exchange_frame(context, &frame, CLASS_BROADCAST, message->id);
+    return publish_frame(context, &frame, message, content, length);
+}
+
+/* ------------------------------------------------------------------- encoding */
+
+/* Larger scratch is given back, so that one big message does not hold memory for ever. */
+enum { KEPT_SCRATCH = 256 * 1024 };
+
+static int encode(const struct format *format, const void *data, struct encoded *encoded)
+{
+    encoded->buffer.length = 0;
+    const int error = format_encode(format, data, byte_order_of_host(), &encoded->buffer);
+    encoded->content = encoded->buffer.length > 0 ? encoded->buffer.bytes : NULL;
+    encoded->length = encoded->buffer.length;
+    return error;
+}
+
+IPC_ERROR_TYPE publish_encode(struct library *library, const struct format *format,
+                              const void *data, struct encoded *encoded)
+{
+    memset(encoded, 0, sizeof *encoded);
+    if (format == NULL) {
+        return IPC_No_Error;
+    }
+    if (format_is_bad(format)) {
+        return IPC_Illegal_Formatter;
+    }
+    if (data == NULL && format_size(format) > 0) {
+        return IPC_Null_Argument;
+    }
+    if (format_is_simple(format)) {
+        encoded->content = data;
+        encoded->length = format_size(format);
+        return IPC_No_Error;
+    }
+    encoded->buffer = library->scratch;
+    buffer_init(&library->scratch);
+    library_leave(library);
+    const int error = encode(format, data, encoded);
+    mutex_lock(library->lock);
+    return report_code(error);
+}
+
+void publish_release(struct library *library, struct encoded *encoded)
+{
+    if (encoded->buffer.bytes == NULL) {
+        return;
+    }
+    if (library->scratch.bytes == NULL && encoded->buffer.capacity <= KEPT_SCRATCH) {
+        library->scratch = encoded->buffer;
+    } else {
+        buffer_fini(&encoded->buffer);
+    }
+    buffer_init(&encoded->buffer);
+}

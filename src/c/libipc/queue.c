@@ -1,0 +1,29 @@
+/*
+ * Queue control.  The inbox keeps the same limits and priorities as central.
+ */
+#include "libipc/queue.h"
+
+#include "libipc/exchange.h"
+#include "libipc/registry.h"
+
+IPC_ERROR_TYPE queue_set_capacity(struct _X_IPC_CONTEXT *context, int capacity)
+{
+    const struct number_and_name resource = {capacity, context->module_name};
+    return exchange_notice(context, LM_RESOURCE, &resource);
+}
+
+IPC_ERROR_TYPE queue_set_limit(struct _X_IPC_CONTEXT *context, const char *name, int limit)
+{
+    struct message *message = registry_get(context, name);
+    const struct pending_limit pending = {message->name, context->module_name, limit};
+    message->queue_limit = limit;
+    return exchange_notice(context, LM_LIMIT_PENDING, &pending);
+}
+
+IPC_ERROR_TYPE queue_set_priority(struct _X_IPC_CONTEXT *context, const char *name, int priority)
+{
+    struct message *message = registry_get(context, name);
+    const struct name_and_number setting = {message->name, priority};
+    message->priority = priority;
+    return exchange_notice(context, LM_PRIORITY, &setting);
+}

@@ -1,0 +1,236 @@
+/*
+ * Taking in what comes from central.
+ */
+#include "libipc/receive.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "libipc/inbox.h"
+#include "libipc/report.h"
+#include "libipc/subscription.h"
+
+/* A connection that does not stop to send is left now and then, so that others get their turn. */
+enum { MAX_READS = 64 };
+
+/* A malloc copy of bytes, NULL for none of them: 0 or ERR_MEMORY. */
+static int copy_bytes(const uint8_t *bytes, size_t length, uint8_t **copy)
+{
+    *copy = NULL;
+    if (length == 0) {
+        return 0;
+    }
+    *copy = malloc(length);
+    if (*copy == NULL) {
+        return ERR_MEMORY;
+    }
+    memcpy(*copy, bytes, length);
+    return 0;
+}
+
+/* ------------------------------------------------------------------- greeting */
+
+/* The number of the look-up message, then two frames with formats that are known here. */
+static int take_greeting(struct _X_IPC_CONTEXT *context)
+{
+    struct reader *reader = &context->link.reader;
+    while (context->greeting < GREETING_PARTS) {
+        struct frame frame;
+        const uint8_t *number;
+        const int taken = context->greeting == 0 ? reader_take_raw(reader, 4, &number)
+                                                 : reader_next(reader, &frame);
+        if (taken <= 0) {
+            return taken;
+        }
+        if (context->greeting == 0) {
+            context->library_ids[LM_MESSAGE_INFO] = (int32_t)load_be32(number);
+        } else if (frame.class != CLASS_NONE || frame.intent != 0) {
+            return ERR_PROTOCOL;
+        }
+        context->greeting++;
+    }
+    return 1;
+}
+
+/* -------------------------------------------------------------------- replies */
+
+/* The message name in a frame's class data, not terminated; NULL if there is none. */
+static const char *class_text(const struct frame *frame, size_t *length)
+{
+    *length = 0;
+    if (frame->class_length < 4) {
+        return NULL;
+    }
+    *length = load_32(frame->class_data, (enum byte_order)frame->class_order);
+    return *length > 0 && *length <= frame->class_length - 4
+               ? (const char *)frame->class_data + 4
+               : NULL;
+}
+
+static int queue_reply(struct _X_IPC_CONTEXT *context, struct awaited *awaited)
+{
+    struct instance *instance = instance_new(context, INSTANCE_REPLY);
+    instance->message = registry_get(context, awaited->name);
+    instance->function = awaited->handler;
+    instance->client_data = awaited->client_data;
+    instance->class = CLASS_REPLY;
+    instance->wrapped = true;
+    instance->content = awaited->data;
+    instance->length = awaited->length;
+    instance->order = awaited->order;
+    free(awaited->name);
+    free(awaited);
+    inbox_add(instance);
+    return 0;
+}
+
+static int take_reply(struct _X_IPC_CONTEXT *context, const struct frame *frame)
+{
+    struct awaited *awaited = intmap_remove(&context->awaited, (uint64_t)frame->reference);
+    if (awaited == NULL) {
+        return 0; /* whoever asked has given up */
+    }
+    awaited->done = true;
+    awaited->order = (enum byte_order)frame->data_order;
+    awaited->length = frame->data_length;
+    size_t name_length;
+    const char *name = class_text(frame, &name_length);
+    awaited->name = name != NULL ? mem_copy_text(name, name_length) : NULL;
+    const int error = copy_bytes(frame->data, frame->data_length, &awaited->data);
+    if (!awaited->notify) {
+        return error;
+    }
+    if (error != 0 || awaited->name == NULL || awaited->handler == NULL) {
+        free(awaited->data);
+        free(awaited->name);
+        free(awaited);
+        return error;
+    }
+    return queue_reply(context, awaited);
+}
+
+/* ----------------------------------------------------------------- deliveries */
+
+static void acknowledge(struct _X_IPC_CONTEXT *context, int32_t dispatch)
+{
+    struct frame frame;
+    frame_init(&frame, CLASS_SUCCESS);
+    frame.parent = dispatch;
+    frame.dispatch = dispatch;
+    link_queue(&context->link, &frame);
+    context->unfinished--;
+}
+
+/* Nearly always the message that the handler was subscribed to, in the same spelling. */
+static struct message *message_of(struct _X_IPC_CONTEXT *context, const struct handler *handler,
+                                  const struct frame *frame)
+{
+    size_t length;
+    const char *text = class_text(frame, &length);
+    const char *usual = handler->message->name;
+    if (text == NULL || (strncmp(text, usual, length) == 0 && usual[length] == '\0')) {
+        return handler->message;
+    }
+    char *name = mem_copy_text(text, length);
+    struct message *message = registry_get(context, name);
+    free(name);
+    return message;
+}
+
+/* Takes the payload over: only the content where the message is known, all of the data where not. */
+static int take_content(struct instance *instance, const struct frame *frame)
+{
+    const uint8_t *content;
+    size_t length;
+    instance->order = (enum byte_order)frame->data_order;
+    instance->wrapped = !instance->message->known ||
+                        registry_unwrap(instance->message, frame->data, frame->data_length,
+                                        instance->order, &content, &length) != 0;
+    if (instance->wrapped) {
+        content = frame->data;
+        length = frame->data_length;
+    }
+    instance->length = length;
+    return copy_bytes(content, length, &instance->content);
+}
+
+static int take_delivery(struct _X_IPC_CONTEXT *context, const struct frame *frame)
+{
+    struct handler *handler = idpool_get(&context->handler_ids, frame->intent);
+    context->unfinished++;
+    if (handler == NULL) {
+        report_warning("WARNING: Message received but not processed: Handler '%" PRId32
+                       "' not registered\n",
+                       frame->intent);
+        acknowledge(context, frame->reference);
+        return 0;
+    }
+    if (handler->internal != NULL) {
+        if (handler->internal(context, handler, frame)) {
+            acknowledge(context, frame->reference);
+        }
+        return 0;
+    }
+    struct instance *instance = instance_new(context, INSTANCE_DELIVERY);
+    instance->handler = handler;
+    instance->message = message_of(context, handler, frame);
+    instance->class = frame->class;
+    instance->dispatch = frame->reference;
+    const int error = take_content(instance, frame);
+    if (error != 0) {
+        instance_free(instance);
+        return error;
+    }
+    inbox_add(instance);
+    return 0;
+}
+
+/* --------------------------------------------------------------------- stream */
+
+static int take_frame(struct _X_IPC_CONTEXT *context, const struct frame *frame)
+{
+    if (frame->intent == INTENT_REPLY) {
+        return take_reply(context, frame);
+    }
+    return frame->intent >= 0 ? take_delivery(context, frame) : ERR_PROTOCOL;
+}
+
+void receive_frames(struct _X_IPC_CONTEXT *context)
+{
+    unsigned n_frames = 0;
+    int result = context->greeting < GREETING_PARTS ? take_greeting(context) : 1;
+    while (result > 0) {
+        struct frame frame;
+        result = reader_next(&context->link.reader, &frame);
+        if (result > 0) {
+            const int error = take_frame(context, &frame);
+            result = error != 0 ? error : 1;
+            n_frames++;
+        }
+    }
+    if (result < 0) {
+        context_lose(context, true);
+    }
+    context->try_first = n_frames > 1;
+}
+
+bool receive(struct _X_IPC_CONTEXT *context)
+{
+    bool any = false;
+    bool more = true;
+    for (int i = 0; i < MAX_READS && more && context_is_open(context); i++) {
+        const int n = link_read(&context->link, &more);
+        if (n < 0) {
+            context_lose(context, true);
+        }
+        if (n <= 0) {
+            break;
+        }
+        any = true;
+        receive_frames(context);
+    }
+    return any;
+}

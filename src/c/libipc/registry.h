@@ -1,0 +1,54 @@
+/*
+ * What this module knows of the messages of one connection.
+ *
+ * A message that central has told about is never asked for again; a message
+ * that nobody has defined yet is asked for at each use.
+ */
+#ifndef IPC_LIBIPC_REGISTRY_H
+#define IPC_LIBIPC_REGISTRY_H
+
+#include "libipc/context.h"
+
+enum wire_kind {
+    WIRE_NONE,    /* no data */
+    WIRE_FIXED,   /* fixed_length bytes */
+    WIRE_VARIABLE /* length, length again, bytes */
+};
+
+struct message {
+    char *name;     /* spelled as defined, once it is; owned */
+    bool known;     /* central has told its definition */
+    int32_t id;     /* of central; negative: deliver directly */
+    enum wire_kind wire;
+    size_t fixed_length;
+    struct format *content; /* NULL: none; the bad format if it is illegal; kept by the library */
+    unsigned n_subscriptions; /* of this module */
+    int queue_limit;          /* 0: none */
+    int priority;             /* -1: none */
+};
+
+/* The entry of a name, made if there is none; not looked up. */
+struct message *registry_get(struct _X_IPC_CONTEXT *context, const char *name);
+
+/*
+ * The message with its definition, asking central if need be; *message is NULL
+ * with IPC_Message_Not_Defined (printed if loud) or an error of exchange.
+ */
+IPC_ERROR_TYPE registry_find(struct _X_IPC_CONTEXT *context, const char *name, bool loud,
+                             struct message **message);
+
+/* Takes the answer of central to a look-up into the entry of that name. */
+void registry_learn(struct _X_IPC_CONTEXT *context, const char *name,
+                    const struct message_info *info);
+
+/* Makes the next use ask again, after this module has defined the message. */
+void registry_renew(struct message *message);
+
+/* Frees all entries. */
+void registry_clear(struct _X_IPC_CONTEXT *context);
+
+/* Finds the content bytes within a frame's data: 0, or ERR_CONTENT when it does not fit the message. */
+int registry_unwrap(const struct message *message, const uint8_t *data, size_t length,
+                    enum byte_order order, const uint8_t **content, size_t *content_length);
+
+#endif

@@ -1,0 +1,213 @@
+/*
+ * Waiting in the kernel, one thread for all.
+ */
+#include "libipc/wait.h"
+
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "libipc/context.h"
+#include "libipc/exchange.h"
+#include "libipc/receive.h"
+#include "libipc/watch_fd.h"
+
+enum { FEW = 16 };
+
+/* What a wait is for: the items, and the context of each (NULL: the waker, or a user's descriptor). */
+struct waiting {
+    struct ready_item *items;
+    struct _X_IPC_CONTEXT **contexts;
+    size_t n_items;
+    size_t capacity;
+    struct ready_item few_items[FEW];
+    struct _X_IPC_CONTEXT *few_contexts[FEW];
+};
+
+uint64_t wait_deadline(unsigned int timeout_ms)
+{
+    return timeout_ms == IPC_WAIT_FOREVER ? NO_DEADLINE
+                                          : clock_ns() + (uint64_t)timeout_ms * 1000000u;
+}
+
+bool wait_is_over(uint64_t deadline_ns)
+{
+    return deadline_ns != NO_DEADLINE && clock_ns() >= deadline_ns;
+}
+
+static void waiting_init(struct waiting *waiting)
+{
+    waiting->items = waiting->few_items;
+    waiting->contexts = waiting->few_contexts;
+    waiting->n_items = 0;
+    waiting->capacity = FEW;
+}
+
+static void waiting_fini(struct waiting *waiting)
+{
+    if (waiting->items != waiting->few_items) {
+        free(waiting->items);
+        free(waiting->contexts);
+    }
+}
+
+static void waiting_grow(struct waiting *waiting)
+{
+    const size_t capacity = waiting->capacity * 2;
+    struct ready_item *items = mem_resize(NULL, capacity, sizeof *items);
+    struct _X_IPC_CONTEXT **contexts = mem_resize(NULL, capacity, sizeof(*contexts));
+    for (size_t i = 0; i < waiting->n_items; i++) {
+        items[i] = waiting->items[i];
+        contexts[i] = waiting->contexts[i];
+    }
+    waiting_fini(waiting);
+    waiting->items = items;
+    waiting->contexts = contexts;
+    waiting->capacity = capacity;
+}
+
+static void waiting_add(struct waiting *waiting, int fd, int wanted,
+                        struct _X_IPC_CONTEXT *context)
+{
+    if (waiting->n_items == waiting->capacity) {
+        waiting_grow(waiting);
+    }
+    struct ready_item *item = &waiting->items[waiting->n_items];
+    item->fd = fd;
+    item->wanted = (short)wanted;
+    item->found = 0;
+    waiting->contexts[waiting->n_items++] = context;
+}
+
+/* What waits for this thread to write goes out first, then everything is listed that may wake it. */
+static void gather(struct library *library, struct waiting *waiting)
+{
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        struct _X_IPC_CONTEXT *context =
+            LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
+        if (context_is_open(context) && exchange_flush(context) == IPC_No_Error) {
+            const bool full = link_waiting(&context->link) > 0;
+            waiting_add(waiting, context->link.fd, full ? READY_READ | READY_WRITE : READY_READ,
+                        context);
+        }
+    }
+    if (library->waker.read_fd >= 0) {
+        waiting_add(waiting, library->waker.read_fd, READY_READ, NULL);
+    }
+}
+
+static void gather_fds(struct library *library, struct waiting *waiting)
+{
+    struct list *position = library->watched_fds.next;
+    for (; position != &library->watched_fds; position = position->next) {
+        const struct watched_fd *watched = LIST_OWNER(position, struct watched_fd, in_library);
+        if (!watched->ready && !watched->broken) {
+            waiting_add(waiting, watched->fd, READY_READ, NULL);
+        }
+    }
+}
+
+static void mark_fd(struct library *library, const struct ready_item *item)
+{
+    struct list *position = library->watched_fds.next;
+    for (; position != &library->watched_fds; position = position->next) {
+        struct watched_fd *watched = LIST_OWNER(position, struct watched_fd, in_library);
+        if (watched->fd == item->fd) {
+            watched->broken = (item->found & READY_INVALID) != 0;
+            watched->ready = !watched->broken;
+        }
+    }
+}
+
+static void take_found(struct library *library, const struct waiting *waiting)
+{
+    for (size_t i = 0; i < waiting->n_items; i++) {
+        const struct ready_item *item = &waiting->items[i];
+        struct _X_IPC_CONTEXT *context = waiting->contexts[i];
+        if (item->found == 0) {
+            continue;
+        }
+        if (context == NULL) {
+            if (item->fd == library->waker.read_fd) {
+                waker_clear(&library->waker);
+            } else {
+                mark_fd(library, item);
+            }
+        } else if (context_is_open(context) && context->link.fd == item->fd) {
+            if (item->found & READY_WRITE) {
+                (void)exchange_flush(context); /* a loss shows in the context's state */
+            }
+            if (item->found & (READY_READ | READY_ERROR)) {
+                (void)receive(context); /* so does what came */
+            }
+        }
+    }
+}
+
+/* Milliseconds until the deadline or the next timer, -1 for ever, rounded up so as not to wake early. */
+static int64_t patience_ms(const struct library *library, uint64_t deadline_ns)
+{
+    uint64_t until = deadline_ns;
+    if (library->listeners > 0 && library->next_timer_ns < until) {
+        until = library->next_timer_ns;
+    }
+    if (until == NO_DEADLINE) {
+        return -1;
+    }
+    const uint64_t now = clock_ns();
+    return now >= until ? 0 : (int64_t)((until - now + 999999u) / 1000000u);
+}
+
+static void wait_in_kernel(struct library *library, uint64_t deadline_ns)
+{
+    struct waiting waiting;
+    waiting_init(&waiting);
+    gather(library, &waiting);
+    if (library->listeners > 0) {
+        gather_fds(library, &waiting);
+    }
+    const int64_t patience = patience_ms(library, deadline_ns);
+    library->polling = true;
+    library_leave(library);
+    const int found = ready_wait(waiting.items, waiting.n_items, patience);
+    mutex_lock(library->lock);
+    library->polling = false;
+    if (found > 0) {
+        take_found(library, &waiting);
+    }
+    if (library->sleepers > 0) {
+        condition_tell_all(library->changed);
+    }
+    waiting_fini(&waiting);
+}
+
+void wait_turn(struct library *library, uint64_t deadline_ns)
+{
+    if (!library->polling) {
+        wait_in_kernel(library, deadline_ns);
+        return;
+    }
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        struct _X_IPC_CONTEXT *context =
+            LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
+        if (context_is_open(context) && exchange_flush(context) == IPC_No_Error &&
+            link_waiting(&context->link) > 0) {
+            waker_wake(&library->waker); /* the thread in the kernel does not wait for room yet */
+        }
+    }
+    library->sleepers++;
+    condition_wait(library->changed, library->lock, deadline_ns);
+    library->sleepers--;
+}
+
+void wait_poll_fds(struct library *library)
+{
+    struct waiting waiting;
+    waiting_init(&waiting);
+    gather_fds(library, &waiting);
+    if (waiting.n_items > 0 && ready_wait(waiting.items, waiting.n_items, 0) > 0) {
+        take_found(library, &waiting);
+    }
+    waiting_fini(&waiting);
+}

@@ -1,0 +1,27 @@
+/*
+ * Waiting.
+ *
+ * One thread at a time waits in the kernel, for all contexts and for everybody's
+ * descriptors; the others wait for it.  Whoever wakes looks at what it was
+ * waiting for and, if that has not come, waits again.
+ */
+#ifndef IPC_LIBIPC_WAIT_H
+#define IPC_LIBIPC_WAIT_H
+
+#include "libipc/library.h"
+
+#define NO_DEADLINE UINT64_MAX
+
+/* clock_ns() timeout_ms from now; IPC_WAIT_FOREVER gives NO_DEADLINE. */
+uint64_t wait_deadline(unsigned int timeout_ms);
+
+/* Whether the deadline has passed. */
+bool wait_is_over(uint64_t deadline_ns);
+
+/* Writes what waits, then waits until something may have changed, or until the deadline. */
+void wait_turn(struct library *library, uint64_t deadline_ns);
+
+/* Looks without waiting whether descriptors of the user are ready. */
+void wait_poll_fds(struct library *library);
+
+#endif

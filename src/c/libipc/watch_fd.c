@@ -1,0 +1,143 @@
+/*
+ * Descriptors of the user.
+ */
+#include "libipc/watch_fd.h"
+
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "libipc/context.h"
+#include "libipc/report.h"
+
+static struct watched_fd *watched_at(struct list *position)
+{
+    return LIST_OWNER(position, struct watched_fd, in_library);
+}
+
+/* The entry of fd, or the place before which it belongs. */
+static struct list *place_of(struct library *library, int fd)
+{
+    struct list *position = library->watched_fds.next;
+    while (position != &library->watched_fds && watched_at(position)->fd < fd) {
+        position = position->next;
+    }
+    return position;
+}
+
+static struct watched_fd *watched_find(struct library *library, int fd)
+{
+    struct list *place = place_of(library, fd);
+    return place != &library->watched_fds && watched_at(place)->fd == fd ? watched_at(place)
+                                                                         : NULL;
+}
+
+static void replace(struct watched_fd *watched, FD_HANDLER_TYPE handler, void *client_data)
+{
+    if (watched->handler != handler) {
+        report_warning("WARNING: Handler function replaced for fd %d\n", watched->fd);
+    }
+    if (watched->client_data != client_data) {
+        report_warning("WARNING: Replacing client data for fd %d\n", watched->fd);
+    }
+    watched->handler = handler;
+    watched->client_data = client_data;
+}
+
+void watch_fd_add(struct library *library, int fd, FD_HANDLER_TYPE handler, void *client_data)
+{
+    const struct _X_IPC_CONTEXT *context = library_connected(library);
+    struct watched_fd *watched = watched_find(library, fd);
+    if (context != NULL && !context->will_listen) {
+        report_warning("WARNING: Subscribing to port %d, but have connected no-listen\n", fd);
+    }
+    if (watched != NULL) {
+        replace(watched, handler, client_data);
+        return;
+    }
+    watched = mem_new(sizeof *watched);
+    watched->fd = fd;
+    watched->handler = handler;
+    watched->client_data = client_data;
+    watched->context = library_connected(library);
+    list_insert(place_of(library, fd), &watched->in_library);
+    if (fd > library->max_fd) {
+        library->max_fd = fd;
+    }
+    library_changed(library);
+}
+
+void watch_fd_remove(struct library *library, int fd)
+{
+    struct watched_fd *watched = watched_find(library, fd);
+    if (watched != NULL) {
+        list_remove(&watched->in_library);
+        free(watched);
+        library_changed(library);
+    }
+}
+
+static void call(struct library *library, struct watched_fd *watched, struct turn *turn)
+{
+    struct running running = {NULL, 0, watched->context, watched->context != NULL, NO_ID, NULL,
+                              0, ORDER_LITTLE};
+    const FD_HANDLER_TYPE handler = watched->handler;
+    void *client_data = watched->client_data;
+    const int fd = watched->fd;
+    watched->ready = false;
+    library_call_begin(library, turn, &running); /* the entry may be gone from here on */
+    handler(fd, client_data);
+    library_call_end(library, turn, &running);
+    if (running.context != NULL) {
+        context_settle(running.context);
+    }
+}
+
+/* The ready one with the smallest descriptor above last whose turn is free. */
+static struct watched_fd *next_ready(struct library *library, int last, struct turn **turn)
+{
+    struct list *position = library->watched_fds.next;
+    for (; position != &library->watched_fds; position = position->next) {
+        struct watched_fd *watched = watched_at(position);
+        struct _X_IPC_CONTEXT *context = watched->context;
+        *turn = context != NULL && context_is_connected(context) ? &context->turn : &library->turn;
+        if (watched->fd > last && watched->ready && turn_is_free(*turn)) {
+            return watched;
+        }
+    }
+    return NULL;
+}
+
+int watch_fd_run_ready(struct library *library, int limit)
+{
+    int n_run = 0;
+    int last = -1;
+    struct turn *turn;
+    struct watched_fd *watched = next_ready(library, last, &turn);
+    while (watched != NULL && n_run < limit) {
+        last = watched->fd;
+        call(library, watched, turn);
+        n_run++;
+        watched = next_ready(library, last, &turn);
+    }
+    return n_run;
+}
+
+int watch_fd_broken(const struct library *library)
+{
+    struct list *position = library->watched_fds.next;
+    for (; position != &library->watched_fds; position = position->next) {
+        if (watched_at(position)->broken) {
+            return watched_at(position)->fd;
+        }
+    }
+    return -1;
+}
+
+void watch_fd_clear(struct library *library)
+{
+    while (!list_is_empty(&library->watched_fds)) {
+        struct watched_fd *watched = watched_at(library->watched_fds.next);
+        list_remove(&watched->in_library);
+        free(watched);
+    }
+}
