@@ -345,7 +345,7 @@ IPC_RETURN_TYPE connect_module(const char *module, const char *server, bool will
     if (module == NULL || *module == '\0') {
         return report(IPC_Null_Argument);
     }
-    report_banner("NMP IPC Version %s (%s)\n", IPC_VERSION, IPC_DATE);
+    report_banner("NMP IPC Version %s (%s)\n", IPC_VERSION, IPC_RELEASE_DATE);
     if (server == NULL || *server == '\0') {
         server = getenv("CENTRALHOST");
     }
