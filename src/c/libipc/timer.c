@@ -46,10 +46,16 @@ static struct timer *timer_find(const struct library *library, TIMER_REF referen
     return timer != NULL && reference_of(library, timer) == reference ? timer : NULL;
 }
 
+/* The context that a timer belongs to, as long as it is connected. */
+static struct _X_IPC_CONTEXT *owner_of(const struct timer *timer)
+{
+    return timer->context != NULL && context_is_connected(timer->context) ? timer->context : NULL;
+}
+
 static struct turn *turn_of(struct library *library, const struct timer *timer)
 {
-    return timer->context != NULL && context_is_connected(timer->context) ? &timer->context->turn
-                                                                          : &library->turn;
+    struct _X_IPC_CONTEXT *owner = owner_of(timer);
+    return owner != NULL ? &owner->turn : &library->turn;
 }
 
 /* Timers that run, or whose turn another thread has, do not end a wait. */
@@ -189,9 +195,9 @@ static void schedule(struct timer *timer, uint64_t now)
 static void timer_call(struct library *library, struct timer *timer, uint64_t now)
 {
     const uint64_t due = timer->due_ns;
+    struct _X_IPC_CONTEXT *owner = owner_of(timer);
     struct turn *turn = turn_of(library, timer);
-    struct running running = {NULL, 0, timer->context, timer->context != NULL, NO_ID, NULL, 0,
-                              ORDER_LITTLE};
+    struct running running = {NULL, 0, owner, owner != NULL, NO_ID, NULL, 0, ORDER_LITTLE};
     const TIMER_HANDLER_TYPE handler = timer->handler;
     void *client_data = timer->client_data;
     schedule(timer, now);
@@ -201,8 +207,8 @@ static void timer_call(struct library *library, struct timer *timer, uint64_t no
     handler(client_data, timer_milliseconds(now), timer_milliseconds(due));
     library_call_end(library, turn, &running);
     timer->running = false;
-    if (running.context != NULL) {
-        context_settle(running.context);
+    if (owner != NULL) {
+        context_settle(owner);
     }
     if (timer->removed || timer->left == 0) {
         timer_free(library, timer);

@@ -76,10 +76,24 @@ void watch_fd_remove(struct library *library, int fd)
     }
 }
 
-static void call(struct library *library, struct watched_fd *watched, struct turn *turn)
+/* The context that a descriptor belongs to, as long as it is connected. */
+static struct _X_IPC_CONTEXT *owner_of(const struct watched_fd *watched)
 {
-    struct running running = {NULL, 0, watched->context, watched->context != NULL, NO_ID, NULL,
-                              0, ORDER_LITTLE};
+    return watched->context != NULL && context_is_connected(watched->context) ? watched->context
+                                                                              : NULL;
+}
+
+static struct turn *turn_of(struct library *library, const struct watched_fd *watched)
+{
+    struct _X_IPC_CONTEXT *owner = owner_of(watched);
+    return owner != NULL ? &owner->turn : &library->turn;
+}
+
+static void call(struct library *library, struct watched_fd *watched)
+{
+    struct _X_IPC_CONTEXT *owner = owner_of(watched);
+    struct turn *turn = turn_of(library, watched);
+    struct running running = {NULL, 0, owner, owner != NULL, NO_ID, NULL, 0, ORDER_LITTLE};
     const FD_HANDLER_TYPE handler = watched->handler;
     void *client_data = watched->client_data;
     const int fd = watched->fd;
@@ -87,20 +101,18 @@ static void call(struct library *library, struct watched_fd *watched, struct tur
     library_call_begin(library, turn, &running); /* the entry may be gone from here on */
     handler(fd, client_data);
     library_call_end(library, turn, &running);
-    if (running.context != NULL) {
-        context_settle(running.context);
+    if (owner != NULL) {
+        context_settle(owner);
     }
 }
 
 /* The ready one with the smallest descriptor above last whose turn is free. */
-static struct watched_fd *next_ready(struct library *library, int last, struct turn **turn)
+static struct watched_fd *next_ready(struct library *library, int last)
 {
     struct list *position = library->watched_fds.next;
     for (; position != &library->watched_fds; position = position->next) {
         struct watched_fd *watched = watched_at(position);
-        struct _X_IPC_CONTEXT *context = watched->context;
-        *turn = context != NULL && context_is_connected(context) ? &context->turn : &library->turn;
-        if (watched->fd > last && watched->ready && turn_is_free(*turn)) {
+        if (watched->fd > last && watched->ready && turn_is_free(turn_of(library, watched))) {
             return watched;
         }
     }
@@ -111,13 +123,12 @@ int watch_fd_run_ready(struct library *library, int limit)
 {
     int n_run = 0;
     int last = -1;
-    struct turn *turn;
-    struct watched_fd *watched = next_ready(library, last, &turn);
+    struct watched_fd *watched = next_ready(library, last);
     while (watched != NULL && n_run < limit) {
         last = watched->fd;
-        call(library, watched, turn);
+        call(library, watched);
         n_run++;
-        watched = next_ready(library, last, &turn);
+        watched = next_ready(library, last);
     }
     return n_run;
 }
