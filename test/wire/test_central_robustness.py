@@ -50,29 +50,31 @@ class HealthyPair:
 class Server:
     """One central for many tests, started anew when it has died."""
 
-    def __init__(self, program):
-        self.program = program
+    def __init__(self, start):
+        self.start = start
         self.central = self.pair = None
 
     def running(self):
         if self.central is None or not self.central.alive():
             self.discard()
-            self.central = Central(self.program)
+            self.central = self.start()
             self.pair = HealthyPair(self.central)
         return self.central
 
     def discard(self):
-        if self.pair:
-            self.pair.close()
-        if self.central:
-            central, self.central, self.pair = self.central, None, None
+        central, pair = self.central, self.pair
+        self.central = self.pair = None
+        if pair:
+            pair.close()
+        if central:
             central.stop()
 
 
 @pytest.fixture(scope="module")
-def server(central_program):
+def server(central_program, pytestconfig):
     """The central that all tests of this file share."""
-    shared = Server(central_program)
+    shared = Server(lambda: Central(central_program,
+                                    original=pytestconfig.ipc_central_is_original))
     yield shared
     shared.discard()
 
@@ -221,9 +223,14 @@ def test_unknown_byte_orders_close_that_connection(nibble, bad, pair):
     pair.exchange()
 
 
-@pytest.mark.parametrize("text", [
-    b"GET / HTTP/1.1\r\nHost: localhost\r\nUser-Agent: browser\r\n\r\n",
-    b"SSH-2.0-OpenSSH_9.2p1 Debian-2+deb12u2\r\n" + b"a" * 40, bytes(28), b"\xff" * 28])
+FOREIGN = {
+    "http": b"GET / HTTP/1.1\r\nHost: localhost\r\nUser-Agent: browser\r\n\r\n",
+    "ssh": b"SSH-2.0-OpenSSH_9.2p1 Debian-2+deb12u2\r\n" + b"a" * 40,
+    "zeros": bytes(28), "ones": b"\xff" * 28,
+}
+
+
+@pytest.mark.parametrize("text", FOREIGN.values(), ids=FOREIGN.keys())
 def test_other_protocols_are_refused(text, stack, central, pair):
     """13.1: an HTTP request, zero bytes."""
     peer = stack.enter_context(Peer(central, "BROWSER"))
@@ -343,8 +350,13 @@ def test_an_introduction_without_a_name_does_no_harm(stack, central, pair):
     pair.exchange()
 
 
-@pytest.mark.parametrize("name", ["n" * 100, "n" * 1024, "n" * 1025, "n" * 5000, "n" * 60000,
-                                  "%s%n%s", "\x1b[2J", "\xff\xfe"])
+STRANGE_NAMES = {
+    "percent": "%s%n%s", "escape": "\x1b[2J", "high bytes": "\xff\xfe",
+    **{f"{length} bytes": "n" * length for length in (100, 1024, 1025, 5000, 60000)},
+}
+
+
+@pytest.mark.parametrize("name", STRANGE_NAMES.values(), ids=STRANGE_NAMES.keys())
 def test_strange_and_long_module_names_do_no_harm(name, stack, central, pair):
     """13.1, 13.3: names up to 1024 bytes; longer ones are refused."""
     peer = stack.enter_context(Peer(central, name))
@@ -435,17 +447,17 @@ BAD_FORMATS = {
 }
 
 
-@pytest.mark.parametrize("text", BAD_FORMATS.values(), ids=BAD_FORMATS.keys())
-def test_a_bad_format_spoils_only_its_own_message(text, bad, pair):
+@pytest.mark.parametrize("kind", BAD_FORMATS)
+def test_a_bad_format_spoils_only_its_own_message(kind, bad, pair):
     """13.1, 13.3: the message stays defined; its look-up reports kind 6."""
-    name = f"bad format {hash(text) & 0xffffff}"
+    name, text = f"bad format, {kind}", BAD_FORMATS[kind]
     bad.define(name, text)
     bad.subscribe(name, 5)
     bad.sync()
     found = pair.left.look_up(name)
     assert found and found.cls == BROADCAST
     assert found.wire == codec.parse(codec.VARIABLE)
-    if text in ("{" * 60000, "*" * 60000, "{int, int", "[int:]", "[int]", "{enum}"):
+    if kind in ("unclosed", "empty array", "no dimension", "empty enum", "stars", "braces"):
         assert found.content == ("bad",)
     pair.left.publish_number(name, 7)
     assert bad.take_numbers(1) == [7]
