@@ -14,6 +14,7 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "libipc/address.h"
+#include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/formatter.h"
 #include "libipc/report.h"
@@ -216,6 +217,12 @@ static bool get_ready(struct _X_IPC_CONTEXT *context, int32_t get_broadcasts)
     return ok && context_is_open(context);
 }
 
+/* Central wants direct links: others must find this module before it subscribes to anything. */
+static bool become_reachable(struct _X_IPC_CONTEXT *context)
+{
+    return direct_listen(context) == 0 && direct_announce(context) == IPC_No_Error;
+}
+
 static void report_versions(const struct introduction_reply *reply, int port)
 {
     report_warning("*** ERROR ***\n");
@@ -239,6 +246,10 @@ static enum try_result shake_hands(struct _X_IPC_CONTEXT *context)
         return TRY_MISMATCH;
     }
     context->new_central = reply.minor >= OWN_MINOR;
+    context->direct = reply.direct != 0;
+    if (context->direct && !become_reachable(context)) {
+        return TRY_BROKEN;
+    }
     return get_ready(context, get_broadcasts) ? TRY_OK : TRY_BROKEN;
 }
 

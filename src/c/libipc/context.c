@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "libipc/direct.h"
 #include "libipc/inbox.h"
 #include "libipc/notify.h"
 #include "libipc/registry.h"
@@ -51,6 +52,9 @@ struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *
     list_init(&context->inbox);
     list_init(&context->delayed);
     table_init(&context->broadcasts, TABLE_FOLDING);
+    context->direct_tcp = -1;
+    context->direct_local.fd = -1;
+    list_init(&context->peers);
     list_init(&context->connect_watchers);
     list_init(&context->disconnect_watchers);
     list_init(&context->change_watchers);
@@ -107,13 +111,15 @@ void context_close(struct _X_IPC_CONTEXT *context, enum context_state state)
         }
         return;
     }
+    const bool seen = !context->unseen;
     context->state = state;
     link_fini(&context->link);
     fail_awaited(context);
     inbox_clear(context);
     free_delayed(context);
+    direct_close(context);
     context_settle(context);
-    if (!context->unseen && !library_any_connected(library)) {
+    if (seen && !library_any_connected(library)) {
         timer_clear(library);
         watch_fd_clear(library);
         library->initialised = false;

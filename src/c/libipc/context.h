@@ -60,6 +60,7 @@ struct _X_IPC_CONTEXT {
 
     struct list inbox;             /* of struct instance, in the order in which they run */
     size_t n_inbox;
+    size_t inbox_bytes;            /* content in it */
     unsigned unfinished;           /* deliveries of central not yet acknowledged */
     uint64_t acknowledged_ns;      /* when the oldest acknowledgement that waits was queued, 0: none */
     struct list delayed;           /* of struct instance, response still to come */
@@ -67,6 +68,13 @@ struct _X_IPC_CONTEXT {
 
     struct table broadcasts;       /* names that have subscribers, valid if broadcasts_known */
     bool broadcasts_known;
+
+    bool direct;                   /* central wants modules to be linked with each other */
+    int direct_port;               /* where others reach this module, 0: nowhere */
+    int direct_tcp;                /* listeners, -1: none */
+    struct net_local direct_local;
+    struct list peers;             /* of struct peer */
+    unsigned draining;             /* threads that wait for a peer to take bytes */
 
     struct list connect_watchers;    /* of struct watcher, latest first */
     struct list disconnect_watchers;

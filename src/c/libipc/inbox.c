@@ -80,11 +80,13 @@ void inbox_add(struct instance *instance)
         count_of(context, message, &oldest) < message->queue_limit) {
         insert(context, instance);
         context->n_inbox++;
+        context->inbox_bytes += instance->length;
         return;
     }
     report_warning("WARNING: Removing a %s message from queue (has %d)\n", message->name,
                    message->queue_limit);
     move_up(context, oldest, instance);
+    context->inbox_bytes += instance->length - oldest->length;
     instance_acknowledge(oldest);
     instance_free(oldest);
 }
@@ -97,6 +99,7 @@ struct instance *inbox_take(struct _X_IPC_CONTEXT *context)
     struct instance *instance = at(context->inbox.next);
     list_remove(&instance->in_queue);
     context->n_inbox--;
+    context->inbox_bytes -= instance->length;
     return instance;
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "libipc/direct.h"
 #include "libipc/subscription.h"
 
 /* A handle is generation and number + 1, so that it is never NULL. */
@@ -39,6 +40,7 @@ void instance_free(struct instance *instance)
     idpool_release(&library->instances, instance->number);
     free(instance->content);
     free(instance->notice_name);
+    peer_unref(instance->peer);
     list_prepend(&library->spare_instances, &instance->in_queue);
 }
 

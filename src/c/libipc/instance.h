@@ -12,6 +12,7 @@
 #include "libipc/registry.h"
 
 struct handler;
+struct peer;
 
 enum instance_kind {
     INSTANCE_DELIVERY, /* of a message, for a subscription */
@@ -30,6 +31,8 @@ struct instance {
     void *client_data;
     uint16_t class;           /* enum frame_class */
     int32_t dispatch;         /* deliveries: central's number; NO_ID: nothing to acknowledge */
+    struct peer *peer;        /* deliveries that came directly, one reference; else NULL */
+    int32_t reference;        /* of those, the sender's number */
     bool wrapped;             /* content is still the whole frame's data */
     uint8_t *content;         /* malloc block, owned until given to a handler; NULL if length is 0 */
     size_t length;

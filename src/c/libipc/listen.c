@@ -9,6 +9,7 @@
 
 #include "libipc/context.h"
 #include "libipc/deliver.h"
+#include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/inbox.h"
 #include "libipc/receive.h"
@@ -33,6 +34,7 @@ static void look(struct library *library, bool urgent)
         if (context_is_connected(context) && context->n_inbox == 0 &&
             (urgent || context->try_first)) {
             context->try_first = receive(context);
+            (void)direct_look(context, urgent); /* what came is in the inbox */
         }
     }
     if (!list_is_empty(&library->watched_fds)) {

@@ -6,12 +6,11 @@
  */
 #include "libipc/notify.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "libipc/exchange.h"
+#include "libipc/handler_watch.h"
 #include "libipc/inbox.h"
 #include "libipc/registry.h"
 #include "libipc/subscription.h"
@@ -111,19 +110,14 @@ static bool take_disconnect(struct _X_IPC_CONTEXT *context, struct handler *hand
     return take_module_event(context, frame, &context->disconnect_watchers);
 }
 
-static bool take_change(struct _X_IPC_CONTEXT *context, struct handler *handler,
-                        const struct frame *frame)
+bool notify_handlers_changed(struct _X_IPC_CONTEXT *context, const struct message *message,
+                             const struct frame *frame)
 {
-    const struct format *format = context->library->catalogue.handler_list;
-    const char *name = handler->name + sizeof VARIABLE_WATCH - 1;
-    struct handler_list list;
-    if (payload_decode(format, frame->data, frame->data_length,
-                       (enum byte_order)frame->data_order, &list) != 0) {
+    if (watcher_find(&context->change_watchers, NULL, message->name) == NULL) {
         return true;
     }
-    const int count = list.count;
-    (void)format_release(format, &list);
-    queue_notice(context, frame, &context->change_watchers, mem_copy_string(name), count);
+    queue_notice(context, frame, &context->change_watchers, mem_copy_string(message->name),
+                 message->handlers.count);
     return false;
 }
 
@@ -214,50 +208,28 @@ IPC_ERROR_TYPE notify_remove(struct _X_IPC_CONTEXT *context, enum module_event e
     return subscription_remove(context, broadcast_of(event));
 }
 
-/* Name of the broadcast of a message's handlers; the caller frees it. */
-static char *watch_name(const char *message)
-{
-    const size_t size = sizeof VARIABLE_WATCH + strlen(message);
-    char *name = mem_new(size);
-    snprintf(name, size, "%s%s", VARIABLE_WATCH, message);
-    return name;
-}
-
-IPC_ERROR_TYPE notify_add_change(struct _X_IPC_CONTEXT *context, const char *message,
+IPC_ERROR_TYPE notify_add_change(struct _X_IPC_CONTEXT *context, const char *name,
                                  CHANGE_HANDLE_TYPE handler, void *client_data)
 {
-    struct message *found;
-    IPC_ERROR_TYPE error = registry_find(context, message, true, &found);
+    struct message *message;
+    const IPC_ERROR_TYPE error = registry_find(context, name, true, &message);
     if (error != IPC_No_Error) {
         return error;
     }
-    const bool first = watcher_find(&context->change_watchers, NULL, found->name) == NULL;
-    watcher_add(&context->change_watchers, (any_function)handler, found->name, client_data);
-    if (!first) {
-        return IPC_No_Error;
-    }
-    char *name = mem_copy_string(found->name);
-    error = exchange_notice(context, LM_WATCH_HANDLERS, &name);
-    if (error == IPC_No_Error) {
-        char *watched = watch_name(name);
-        error = subscription_add_internal(context, watched, take_change);
-        free(watched);
-    }
-    free(name);
-    return error;
+    watcher_add(&context->change_watchers, (any_function)handler, message->name, client_data);
+    return handler_watch_start(context, message);
 }
 
-IPC_ERROR_TYPE notify_remove_change(struct _X_IPC_CONTEXT *context, const char *message,
+IPC_ERROR_TYPE notify_remove_change(struct _X_IPC_CONTEXT *context, const char *name,
                                     CHANGE_HANDLE_TYPE handler)
 {
-    if (!watcher_drop(&context->change_watchers, (any_function)handler, message) ||
-        watcher_find(&context->change_watchers, NULL, message) != NULL) {
+    struct message *message = table_find(&context->messages, name);
+    if (message == NULL ||
+        !watcher_drop(&context->change_watchers, (any_function)handler, name) ||
+        watcher_find(&context->change_watchers, NULL, name) != NULL) {
         return IPC_No_Error;
     }
-    char *watched = watch_name(message);
-    const IPC_ERROR_TYPE error = subscription_remove(context, watched);
-    free(watched);
-    return error;
+    return handler_watch_stop(context, message);
 }
 
 static void clear(struct list *watchers)

@@ -20,10 +20,15 @@ IPC_ERROR_TYPE notify_add(struct _X_IPC_CONTEXT *context, enum module_event even
                           CONNECT_HANDLE_TYPE handler, void *client_data);
 IPC_ERROR_TYPE notify_remove(struct _X_IPC_CONTEXT *context, enum module_event event,
                              CONNECT_HANDLE_TYPE handler);
-IPC_ERROR_TYPE notify_add_change(struct _X_IPC_CONTEXT *context, const char *message,
+IPC_ERROR_TYPE notify_add_change(struct _X_IPC_CONTEXT *context, const char *name,
                                  CHANGE_HANDLE_TYPE handler, void *client_data);
-IPC_ERROR_TYPE notify_remove_change(struct _X_IPC_CONTEXT *context, const char *message,
+IPC_ERROR_TYPE notify_remove_change(struct _X_IPC_CONTEXT *context, const char *name,
                                     CHANGE_HANDLE_TYPE handler);
+
+/* The list of a message's handlers has changed, as that frame of central says.  Returns whether
+ * nobody watches, so that the frame is done with. */
+bool notify_handlers_changed(struct _X_IPC_CONTEXT *context, const struct message *message,
+                             const struct frame *frame);
 
 /* Calls the watchers of a notice. */
 void notify_run(struct instance *notice);

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/limits.h"
+#include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/receive.h"
 #include "libipc/report.h"
@@ -47,15 +48,26 @@ IPC_ERROR_TYPE publish_check_length(const struct message *message, unsigned int 
 
 /* --------------------------------------------------------------------- frames */
 
+/* Queues a frame with the message's data; content stays the caller's until the mark has left. */
+static uint64_t queue_frame(struct link *link, struct frame *frame, const struct message *message,
+                            const void *content, size_t length)
+{
+    const int32_t envelope[2] = {(int32_t)length, (int32_t)length};
+    const size_t prefix = message->wire == WIRE_VARIABLE ? sizeof envelope : 0;
+    frame->data_length = (uint32_t)(prefix + length);
+    return link_queue_borrowed(link, frame, envelope, prefix, content, length);
+}
+
 IPC_ERROR_TYPE publish_frame(struct _X_IPC_CONTEXT *context, struct frame *frame,
                              const struct message *message, const void *content, size_t length)
 {
-    int32_t envelope[2] = {(int32_t)length, (int32_t)length};
-    const size_t prefix = message->wire == WIRE_VARIABLE ? sizeof envelope : 0;
-    frame->data_length = (uint32_t)(prefix + length);
-    const uint64_t mark =
-        link_queue_borrowed(&context->link, frame, envelope, prefix, content, length);
-    return exchange_drain(context, mark);
+    return exchange_drain(context, queue_frame(&context->link, frame, message, content, length));
+}
+
+void publish_frame_to(struct peer *peer, struct frame *frame, const struct message *message,
+                      const void *content, size_t length)
+{
+    direct_drain(peer, queue_frame(&peer->link, frame, message, content, length));
 }
 
 /*
@@ -77,6 +89,46 @@ static bool nobody_subscribes(struct _X_IPC_CONTEXT *context, const struct messa
            link_waiting(&context->link) == 0;
 }
 
+/* To all targets, oldest subscription first; a query to the oldest that can be reached alone.
+ * Returns how many that were.  The targets may change while one of them lets this thread wait. */
+static size_t send_to_targets(struct _X_IPC_CONTEXT *context, struct frame *frame,
+                              struct message *message, const void *content, size_t length)
+{
+    size_t n_sent = 0;
+    for (size_t i = 0; i < message->n_targets && context_is_connected(context); i++) {
+        struct peer *peer = message->targets[i].peer;
+        if (peer == NULL || peer->link.fd < 0) {
+            continue;
+        }
+        frame->intent = message->targets[i].handler;
+        (void)peer_ref(peer);
+        publish_frame_to(peer, frame, message, content, length);
+        peer_unref(peer);
+        n_sent++;
+        if (frame->class == CLASS_QUERY) {
+            break;
+        }
+    }
+    return n_sent;
+}
+
+IPC_ERROR_TYPE publish_send(struct _X_IPC_CONTEXT *context, struct frame *frame,
+                            struct message *message, const void *content, size_t length)
+{
+    if (message->id < 0) {
+        const IPC_ERROR_TYPE error = direct_find_targets(context, message);
+        if (error != IPC_No_Error) {
+            return error;
+        }
+        if (send_to_targets(context, frame, message, content, length) > 0 ||
+            (message->n_targets > 0 && frame->class != CLASS_QUERY)) {
+            return context_is_connected(context) ? IPC_No_Error : IPC_Not_Connected;
+        }
+    }
+    frame->intent = message->id;
+    return publish_frame(context, frame, message, content, length);
+}
+
 IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
                        const void *content)
 {
@@ -96,7 +148,7 @@ IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, const char *name, unsigne
         return IPC_Not_Connected;
     }
     exchange_frame(context, &frame, CLASS_BROADCAST, message->id);
-    return publish_frame(context, &frame, message, content, length);
+    return publish_send(context, &frame, message, content, length);
 }
 
 /* ------------------------------------------------------------------- encoding */

@@ -14,9 +14,17 @@ IPC_ERROR_TYPE publish_check_length(const struct message *message, unsigned int 
 IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
                        const void *content);
 
-/* Sends a frame of that class with the message's data and waits until it has left. */
+/* Sends a publication or query to where the message goes: to central, or directly. */
+IPC_ERROR_TYPE publish_send(struct _X_IPC_CONTEXT *context, struct frame *frame,
+                            struct message *message, const void *content, size_t length);
+
+/* Sends a frame with the message's data to central and waits until it has left. */
 IPC_ERROR_TYPE publish_frame(struct _X_IPC_CONTEXT *context, struct frame *frame,
                              const struct message *message, const void *content, size_t length);
+
+/* The same over a direct link.  That the peer goes meanwhile is of no matter. */
+void publish_frame_to(struct peer *peer, struct frame *frame, const struct message *message,
+                      const void *content, size_t length);
 
 /* Bytes of a value on its way out. */
 struct encoded {

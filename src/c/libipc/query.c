@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/listen.h"
 #include "libipc/publish.h"
@@ -27,7 +28,7 @@ static IPC_ERROR_TYPE prepare(struct _X_IPC_CONTEXT *context, const char *name,
 }
 
 /* Sends the query; awaited is in the table before anything can come back. */
-static IPC_ERROR_TYPE send_query(struct _X_IPC_CONTEXT *context, const struct message *message,
+static IPC_ERROR_TYPE send_query(struct _X_IPC_CONTEXT *context, struct message *message,
                                  const void *content, unsigned int length,
                                  struct awaited *awaited)
 {
@@ -35,7 +36,7 @@ static IPC_ERROR_TYPE send_query(struct _X_IPC_CONTEXT *context, const struct me
     exchange_frame(context, &frame, CLASS_QUERY, message->id);
     awaited->reference = frame.reference;
     (void)intmap_put(&context->awaited, (uint64_t)frame.reference, awaited);
-    return publish_frame(context, &frame, message, content, length);
+    return publish_send(context, &frame, message, content, length);
 }
 
 IPC_ERROR_TYPE query_notify(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
@@ -137,30 +138,63 @@ static IPC_ERROR_TYPE check_answerable(const struct instance *instance)
     return instance->running || instance->delayed ? IPC_No_Error : IPC_Argument_Out_Of_Range;
 }
 
-/* A response frame: it frees central's slot, so it is the acknowledgement as well. */
+/* A message name as class data; the caller frees it: 0 or ERR_MEMORY. */
+static int encode_name(const struct message *message, struct buffer *name)
+{
+    const int32_t length = (int32_t)strlen(message->name);
+    buffer_init(name);
+    const int error = buffer_append(name, &length, sizeof length);
+    return error != 0 ? error : buffer_append(name, message->name, (size_t)length);
+}
+
+/* Who asked through central is answered through central.  The response frees central's slot, so it is
+ * the acknowledgement as well. */
+static IPC_ERROR_TYPE respond_routed(struct instance *instance, struct frame *frame,
+                                     const struct message *message, const void *content,
+                                     unsigned int length)
+{
+    struct _X_IPC_CONTEXT *context = instance->context;
+    frame->dispatch = instance->dispatch;
+    instance->dispatch = NO_ID;
+    context->unfinished--;
+    return publish_frame(context, frame, message, content, length);
+}
+
+/* Who asked directly is answered over the same link; whether he is still there is of no matter. */
+static IPC_ERROR_TYPE respond_direct(struct instance *instance, struct frame *frame,
+                                     const struct message *message, const void *content,
+                                     unsigned int length)
+{
+    struct peer *peer = instance->peer;
+    if (instance->class == CLASS_QUERY && peer->link.fd >= 0) {
+        frame->intent = INTENT_REPLY;
+        frame->dispatch = instance->reference;
+        frame->reference = instance->reference;
+        (void)peer_ref(peer);
+        publish_frame_to(peer, frame, message, content, length);
+        peer_unref(peer);
+    }
+    return IPC_No_Error;
+}
+
 static IPC_ERROR_TYPE send_response(struct instance *instance, const struct message *message,
                                     const void *content, unsigned int length)
 {
-    struct _X_IPC_CONTEXT *context = instance->context;
+    const struct _X_IPC_CONTEXT *context = instance->context;
     const struct running *running = library_running(context->library);
     struct frame frame;
     struct buffer name;
-    const int32_t name_length = (int32_t)strlen(message->name);
-    buffer_init(&name);
-    if (buffer_append(&name, &name_length, sizeof name_length) != 0 ||
-        buffer_append(&name, message->name, (size_t)name_length) != 0) {
-        buffer_fini(&name);
-        return IPC_Communication_Error;
+    IPC_ERROR_TYPE error = report_code(encode_name(message, &name));
+    if (error == IPC_No_Error) {
+        frame_init(&frame, CLASS_REPLY);
+        frame.parent = running != NULL && running->context == context ? running->dispatch : NO_ID;
+        frame.class_data = name.bytes;
+        frame.class_length = (uint32_t)name.length;
+        instance->responded = true;
+        error = instance->peer == NULL
+                    ? respond_routed(instance, &frame, message, content, length)
+                    : respond_direct(instance, &frame, message, content, length);
     }
-    frame_init(&frame, CLASS_REPLY);
-    frame.parent = running != NULL && running->context == context ? running->dispatch : NO_ID;
-    frame.dispatch = instance->dispatch;
-    frame.class_data = name.bytes;
-    frame.class_length = (uint32_t)name.length;
-    instance->responded = true;
-    instance->dispatch = NO_ID;
-    context->unfinished--;
-    const IPC_ERROR_TYPE error = publish_frame(context, &frame, message, content, length);
     buffer_fini(&name);
     return error;
 }

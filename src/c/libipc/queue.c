@@ -3,13 +3,15 @@
  */
 #include "libipc/queue.h"
 
+#include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/registry.h"
 
 IPC_ERROR_TYPE queue_set_capacity(struct _X_IPC_CONTEXT *context, int capacity)
 {
     const struct number_and_name resource = {capacity, context->module_name};
-    return exchange_notice(context, LM_RESOURCE, &resource);
+    const IPC_ERROR_TYPE error = exchange_notice(context, LM_RESOURCE, &resource);
+    return error == IPC_No_Error && context->direct ? direct_announce(context) : error;
 }
 
 IPC_ERROR_TYPE queue_set_limit(struct _X_IPC_CONTEXT *context, const char *name, int limit)

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "libipc/direct.h"
 #include "libipc/inbox.h"
 #include "libipc/report.h"
 #include "libipc/subscription.h"
@@ -157,28 +158,20 @@ static int take_content(struct instance *instance, const struct frame *frame)
     return copy_bytes(content, length, &instance->content);
 }
 
-static int take_delivery(struct _X_IPC_CONTEXT *context, const struct frame *frame)
+/* What a handler of the user gets; peer: who sent it directly, NULL for central. */
+static int queue_delivery(struct _X_IPC_CONTEXT *context, struct handler *handler,
+                          const struct frame *frame, struct peer *peer)
 {
-    struct handler *handler = idpool_get(&context->handler_ids, frame->intent);
-    context->unfinished++;
-    if (handler == NULL) {
-        report_warning("WARNING: Message received but not processed: Handler '%" PRId32
-                       "' not registered\n",
-                       frame->intent);
-        acknowledge(context, frame->reference);
-        return 0;
-    }
-    if (handler->internal != NULL) {
-        if (handler->internal(context, handler, frame)) {
-            acknowledge(context, frame->reference);
-        }
-        return 0;
-    }
     struct instance *instance = instance_new(context, INSTANCE_DELIVERY);
     instance->handler = handler;
     instance->message = message_of(context, handler, frame);
     instance->class = frame->class;
-    instance->dispatch = frame->reference;
+    if (peer == NULL) {
+        instance->dispatch = frame->reference;
+    } else {
+        instance->peer = peer_ref(peer);
+        instance->reference = frame->reference;
+    }
     const int error = take_content(instance, frame);
     if (error != 0) {
         instance_free(instance);
@@ -188,33 +181,51 @@ static int take_delivery(struct _X_IPC_CONTEXT *context, const struct frame *fra
     return 0;
 }
 
+static int take_delivery(struct _X_IPC_CONTEXT *context, const struct frame *frame,
+                         struct peer *peer)
+{
+    struct handler *handler = idpool_get(&context->handler_ids, frame->intent);
+    context->unfinished += peer == NULL;
+    if (handler != NULL && handler->internal == NULL) {
+        return queue_delivery(context, handler, frame, peer);
+    }
+    if (handler == NULL) {
+        report_warning("WARNING: Message received but not processed: Handler '%" PRId32
+                       "' not registered\n",
+                       frame->intent);
+    }
+    if (peer == NULL && (handler == NULL || handler->internal(context, handler, frame))) {
+        acknowledge(context, frame->reference);
+    }
+    return 0;
+}
+
 /* --------------------------------------------------------------------- stream */
 
-static int take_frame(struct _X_IPC_CONTEXT *context, const struct frame *frame)
+static int take_frame(struct _X_IPC_CONTEXT *context, const struct frame *frame,
+                      struct peer *peer)
 {
     if (frame->intent == INTENT_REPLY) {
         return take_reply(context, frame);
     }
-    return frame->intent >= 0 ? take_delivery(context, frame) : ERR_PROTOCOL;
+    return frame->intent >= 0 ? take_delivery(context, frame, peer) : ERR_PROTOCOL;
 }
 
-void receive_frames(struct _X_IPC_CONTEXT *context)
+/* Takes in the complete frames that have been read: their number, or an error. */
+static int take_frames(struct _X_IPC_CONTEXT *context, struct link *link, struct peer *peer)
 {
-    unsigned n_frames = 0;
-    int result = context->greeting < GREETING_PARTS ? take_greeting(context) : 1;
-    while (result > 0) {
+    int n_frames = 0;
+    int result;
+    do {
         struct frame frame;
-        result = reader_next(&context->link.reader, &frame);
+        result = reader_next(&link->reader, &frame);
         if (result > 0) {
-            const int error = take_frame(context, &frame);
+            const int error = take_frame(context, &frame, peer);
             result = error != 0 ? error : 1;
             n_frames++;
         }
-    }
-    if (result < 0) {
-        context_lose(context, true);
-    }
-    context->try_first = n_frames > 1;
+    } while (result > 0);
+    return result < 0 ? result : n_frames;
 }
 
 bool receive(struct _X_IPC_CONTEXT *context)
@@ -222,15 +233,41 @@ bool receive(struct _X_IPC_CONTEXT *context)
     bool any = false;
     bool more = true;
     for (int i = 0; i < MAX_READS && more && context_is_open(context); i++) {
-        const int n = link_read(&context->link, &more);
-        if (n < 0) {
-            context_lose(context, true);
-        }
-        if (n <= 0) {
+        int result = link_read(&context->link, &more);
+        if (result == 0) {
             break;
         }
-        any = true;
-        receive_frames(context);
+        if (result > 0) {
+            any = true;
+            result = context->greeting < GREETING_PARTS ? take_greeting(context) : 1;
+        }
+        if (result > 0) {
+            result = take_frames(context, &context->link, NULL);
+            context->try_first = result > 1;
+        }
+        if (result < 0) {
+            context_lose(context, true);
+        }
+    }
+    return any;
+}
+
+bool receive_from_peer(struct peer *peer)
+{
+    bool any = false;
+    bool more = true;
+    for (int i = 0; i < MAX_READS && more && peer->link.fd >= 0; i++) {
+        int result = link_read(&peer->link, &more);
+        if (result == 0) {
+            break;
+        }
+        any = any || result > 0;
+        if (result > 0) {
+            result = take_frames(peer->context, &peer->link, peer);
+        }
+        if (result < 0) {
+            direct_peer_ended(peer);
+        }
     }
     return any;
 }

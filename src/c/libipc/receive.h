@@ -7,10 +7,12 @@
 
 #include "libipc/context.h"
 
-/* Reads what is there and takes in all complete frames; returns whether anything came. */
+struct peer;
+
+/* Reads what central has sent and takes in all complete frames; returns whether anything came. */
 bool receive(struct _X_IPC_CONTEXT *context);
 
-/* Takes in the complete frames that have been read already. */
-void receive_frames(struct _X_IPC_CONTEXT *context);
+/* The same for another module.  A peer that breaks the protocol or goes loses its link only. */
+bool receive_from_peer(struct peer *peer);
 
 #endif

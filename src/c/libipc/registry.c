@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "libipc/exchange.h"
 #include "libipc/formatter.h"
+#include "libipc/handler_watch.h"
 #include "libipc/report.h"
 
 struct message *registry_get(struct _X_IPC_CONTEXT *context, const char *name)
@@ -95,6 +96,7 @@ void registry_clear(struct _X_IPC_CONTEXT *context)
     struct table_entry *entry = table_first(&context->messages);
     for (; entry != NULL; entry = table_next(&context->messages, entry)) {
         struct message *message = entry->value;
+        handler_watch_forget(context, message);
         free(message->name);
         free(message);
     }

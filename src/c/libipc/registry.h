@@ -15,6 +15,8 @@ enum wire_kind {
     WIRE_VARIABLE /* length, length again, bytes */
 };
 
+struct direct_target;
+
 struct message {
     char *name;     /* spelled as defined, once it is; owned */
     bool known;     /* central has told its definition */
@@ -25,6 +27,12 @@ struct message {
     unsigned n_subscriptions; /* of this module */
     int queue_limit;          /* 0: none */
     int priority;             /* -1: none */
+
+    bool handlers_watched;    /* central keeps handlers up to date here */
+    struct handler_list handlers;   /* newest subscription first; owned, of catalogue.handler_list */
+    bool targets_stale;             /* handlers have changed since targets were made */
+    struct direct_target *targets;  /* oldest subscription first, owned */
+    size_t n_targets;
 };
 
 /* The entry of a name, made if there is none; not looked up. */

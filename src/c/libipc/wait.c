@@ -7,13 +7,15 @@
 
 #include "base/memory.h"
 #include "libipc/context.h"
+#include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/receive.h"
 #include "libipc/watch_fd.h"
 
 enum { FEW = 16 };
 
-/* What a wait is for: the items, and the context of each (NULL: the waker, or a user's descriptor). */
+/* What a wait is for: the items, and the context of each (NULL: the waker, or a user's descriptor).
+ * Contexts are never freed, so these may be looked at again after the wait. */
 struct waiting {
     struct ready_item *items;
     struct _X_IPC_CONTEXT **contexts;
@@ -65,9 +67,9 @@ static void waiting_grow(struct waiting *waiting)
     waiting->capacity = capacity;
 }
 
-static void waiting_add(struct waiting *waiting, int fd, int wanted,
-                        struct _X_IPC_CONTEXT *context)
+static void waiting_add(void *waiting_pointer, int fd, int wanted, struct _X_IPC_CONTEXT *context)
 {
+    struct waiting *waiting = waiting_pointer;
     if (waiting->n_items == waiting->capacity) {
         waiting_grow(waiting);
     }
@@ -89,6 +91,7 @@ static void gather(struct library *library, struct waiting *waiting)
             const bool full = link_waiting(&context->link) > 0;
             waiting_add(waiting, context->link.fd, full ? READY_READ | READY_WRITE : READY_READ,
                         context);
+            direct_each_fd(context, waiting_add, waiting);
         }
     }
     if (library->waker.read_fd >= 0) {
@@ -119,6 +122,16 @@ static void mark_fd(struct library *library, const struct ready_item *item)
     }
 }
 
+static void take_found_central(struct _X_IPC_CONTEXT *context, int found)
+{
+    if (found & READY_WRITE) {
+        (void)exchange_flush(context); /* a loss shows in the context's state */
+    }
+    if (found & (READY_READ | READY_ERROR)) {
+        (void)receive(context); /* so does what came */
+    }
+}
+
 static void take_found(struct library *library, const struct waiting *waiting)
 {
     for (size_t i = 0; i < waiting->n_items; i++) {
@@ -134,12 +147,9 @@ static void take_found(struct library *library, const struct waiting *waiting)
                 mark_fd(library, item);
             }
         } else if (context_is_open(context) && context->link.fd == item->fd) {
-            if (item->found & READY_WRITE) {
-                (void)exchange_flush(context); /* a loss shows in the context's state */
-            }
-            if (item->found & (READY_READ | READY_ERROR)) {
-                (void)receive(context); /* so does what came */
-            }
+            take_found_central(context, item->found);
+        } else if (context_is_open(context)) {
+            direct_ready(context, item->fd, item->found);
         }
     }
 }
