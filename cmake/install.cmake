@@ -1,0 +1,45 @@
+# What `cmake --install` puts where, and the files by which other projects find
+# it: the CMake package ipc, and ipc.pc for pkg-config.
+include(CMakePackageConfigHelpers)
+
+install(TARGETS ipc EXPORT ipcTargets
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR}
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(TARGET ipc_static)
+    install(TARGETS ipc_static EXPORT ipcTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
+if(TARGET central)
+    install(TARGETS central RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+install(FILES ${PROJECT_SOURCE_DIR}/include/ipc/ipc.h
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ipc)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+    DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+# find_package(ipc).  Programs of CMU IPC 3.9 work with this version, so a
+# request for an older one is met.
+set(IPC_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ipc)
+configure_package_config_file(
+    ${PROJECT_SOURCE_DIR}/cmake/ipcConfig.cmake.in
+    ${PROJECT_BINARY_DIR}/cmake/ipcConfig.cmake
+    INSTALL_DESTINATION ${IPC_PACKAGE_DIR})
+write_basic_package_version_file(
+    ${PROJECT_BINARY_DIR}/cmake/ipcConfigVersion.cmake
+    COMPATIBILITY AnyNewerVersion)
+install(FILES
+    ${PROJECT_BINARY_DIR}/cmake/ipcConfig.cmake
+    ${PROJECT_BINARY_DIR}/cmake/ipcConfigVersion.cmake
+    DESTINATION ${IPC_PACKAGE_DIR})
+install(EXPORT ipcTargets NAMESPACE ipc:: DESTINATION ${IPC_PACKAGE_DIR})
+
+# ipc.pc finds its prefix from where it lies itself, so that --prefix at install
+# time and DESTDIR are honoured.
+set(pc_dir ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig)
+file(RELATIVE_PATH IPC_PC_PREFIX ${pc_dir} ${CMAKE_INSTALL_PREFIX})
+string(REGEX REPLACE "/$" "" IPC_PC_PREFIX "${IPC_PC_PREFIX}")
+file(RELATIVE_PATH IPC_PC_LIBDIR ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_LIBDIR})
+file(RELATIVE_PATH IPC_PC_INCLUDEDIR ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+configure_file(${PROJECT_SOURCE_DIR}/cmake/ipc.pc.in ${PROJECT_BINARY_DIR}/cmake/ipc.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/cmake/ipc.pc
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -1,0 +1,22 @@
+# The options of the build and their defaults.
+
+option(BUILD_SHARED_LIBS "Target ipc is the shared library; the static one is built beside it" ON)
+option(IPC_BUILD_EXAMPLES "Build the manual's example programs" ${IPC_TOP_LEVEL})
+option(IPC_INSTALL "Add what is built to the install target" ${IPC_TOP_LEVEL})
+option(IPC_WERROR "Treat warnings as errors" OFF)
+set(IPC_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
+
+# Builds of CMU IPC set these two.  BUILD_TESTS is another name of
+# IPC_BUILD_TESTS; a project that contains this one means its own tests by it.
+# THREADED chose a thread-safe library, which this one always is.
+if(IPC_TOP_LEVEL AND DEFINED BUILD_TESTS)
+    set(IPC_BUILD_TESTS ${BUILD_TESTS} CACHE BOOL "Build the unit tests (needs cmocka)" FORCE)
+endif()
+option(IPC_BUILD_TESTS "Build the unit tests (needs cmocka)" OFF)
+if(IPC_TOP_LEVEL)
+    option(THREADED "Has no effect: the library is always thread-safe" ON)
+endif()
+
+if(IPC_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "Debug, Release, RelWithDebInfo or MinSizeRel" FORCE)
+endif()
