@@ -1,0 +1,74 @@
+"""`cmake --install`, and programs that are built with what it has installed."""
+import os
+
+import pytest
+
+from install.tools import Installation, run, tool
+
+EXPECTED = {"central", "ipc.h", "ipc.pc", "ipcConfig.cmake", "ipcConfigVersion.cmake",
+            "ipcTargets.cmake", "libipc.a", "libipc.so", "libipc.so.1", "LICENSE"}
+OUTPUT = '{1, "two"}\n'
+
+
+def test_everything_that_users_need_is_installed_in_its_place(installation):
+    names = {os.path.basename(file) for file in installation.files}
+    assert EXPECTED <= names
+    assert "include/ipc/ipc.h" in installation.files
+    assert "bin/central" in installation.files
+
+
+def test_nothing_private_is_installed(installation):
+    headers = [file for file in installation.files if file.endswith(".h")]
+    assert headers == ["include/ipc/ipc.h"]
+
+
+def test_the_installed_server_runs(installation):
+    assert "Usage" in run(installation.path("central"), "-h") or \
+        "command line options" in run(installation.path("central"), "-h")
+
+
+def test_destdir_stands_before_the_prefix(build, tmp_path):
+    run("cmake", "--install", build.directory, "--prefix", "/opt/robot",
+        env={"DESTDIR": str(tmp_path)})
+    staged = Installation(str(tmp_path))
+    assert "opt/robot/include/ipc/ipc.h" in staged.files
+    assert all(file.startswith("opt/robot/") for file in staged.files)
+
+
+@pytest.mark.parametrize("linking", [[], ["--static"]], ids=["shared", "static"])
+def test_pkg_config_gives_flags_that_work(linking, build, installation, consumer, tmp_path):
+    flags = run(tool("pkg-config"), *linking, "--cflags", "--libs", "ipc",
+                env=installation.env).split()
+    if linking:
+        flags = [installation.path("libipc.a") if flag == "-lipc" else flag for flag in flags]
+    program = tmp_path / "consumer"
+    run(build.compiler, *build.flags, consumer, "-o", program, *flags)
+    assert ("libipc.so.1" in run(tool("readelf"), "-d", program)) == (not linking)
+    assert run(program, env=installation.env) == OUTPUT
+
+
+def test_pkg_config_knows_the_version(build, installation):
+    version = run(tool("pkg-config"), "--modversion", "ipc", env=installation.env)
+    assert version.strip() == build.cache["CMAKE_PROJECT_VERSION"]
+
+
+@pytest.mark.parametrize("request_", ["", "3.9", "4.0"], ids=["any", "old", "new"])
+@pytest.mark.parametrize("target", ["ipc::ipc", "ipc::ipc_static"])
+def test_find_package_gives_targets_that_work(target, request_, build, installation, consumer,
+                                              tmp_path):
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.16)\n"
+        "project(consumer LANGUAGES C)\n"
+        f"find_package(ipc {request_} REQUIRED)\n"
+        "add_executable(consumer consumer.c)\n"
+        f"target_link_libraries(consumer PRIVATE {target})\n")
+    build_with_cmake(tmp_path, build, f"-DCMAKE_PREFIX_PATH={installation.prefix}")
+    assert run(tmp_path / "out/consumer", env=installation.env) == OUTPUT
+
+
+def build_with_cmake(source, build, *options):
+    """Builds the project in source, in out beside it, with the compiler and flags of the build."""
+    out = source / "out"
+    run("cmake", "-S", source, "-B", out, f"-DCMAKE_C_COMPILER={build.compiler}",
+        f"-DCMAKE_C_FLAGS={' '.join(build.flags)}", *options)
+    run("cmake", "--build", out, "--parallel", "2")

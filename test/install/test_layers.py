@@ -1,0 +1,64 @@
+"""The layers of src/c: who may include whom (docs/architecture.md)."""
+import os
+import re
+
+from install.tools import ROOT
+
+SOURCES = os.path.join(ROOT, "src/c")
+
+# Each part, and what it may include besides itself.  Nothing includes what is above it, so no
+# cycles are possible, and library and server do not know each other.
+BELOW = {
+    "base": set(),
+    "platform": {"base"},
+    "format": {"base"},
+    "wire": {"base", "format"},
+    "link": {"base", "platform", "wire"},
+    "libipc": {"base", "platform", "format", "wire", "link", "ipc"},
+    "central": {"base", "platform", "format", "wire", "link"},
+}
+
+# Headers of operating systems: only platform/ may include them.
+SYSTEM = re.compile(r"^(sys/|netinet/|arpa/|net/|linux/|unistd|fcntl|poll|pthread|signal|netdb"
+                    r"|dirent|pwd|grp|termios|winsock|windows|ws2|tcpd|semaphore|sched)")
+
+
+def includes():
+    """(part, file, header, whether in quotes) of every #include line."""
+    for folder, _, names in os.walk(SOURCES):
+        for name in sorted(names):
+            if not name.endswith((".c", ".h")):
+                continue
+            path = os.path.relpath(os.path.join(folder, name), SOURCES)
+            with open(os.path.join(SOURCES, path), encoding="utf-8") as text:
+                for quote, header in re.findall(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">]+)',
+                                                text.read(), re.MULTILINE):
+                    yield path.split("/")[0], path, header, quote == '"'
+
+
+def test_there_is_something_to_look_at():
+    assert {part for part, *_ in includes()} <= set(BELOW)
+    assert len(list(includes())) > 100
+
+
+def test_every_part_includes_only_itself_and_parts_below():
+    wrong = [f"{path} includes {header}" for part, path, header, quoted in includes()
+             if quoted and header.split("/")[0] not in BELOW[part] | {part}]
+    assert not wrong
+
+
+def test_project_headers_are_named_from_the_root_of_the_sources():
+    wrong = [f"{path} includes {header}" for _, path, header, quoted in includes()
+             if quoted and header != "ipc/ipc.h"
+             and not os.path.exists(os.path.join(SOURCES, header))]
+    assert not wrong
+
+
+def test_only_the_platform_knows_the_operating_system():
+    wrong = [f"{path} includes {header}" for part, path, header, quoted in includes()
+             if not quoted and part != "platform" and SYSTEM.match(header)]
+    assert not wrong
+
+
+def test_sources_are_not_included():
+    assert not [path for _, path, header, _ in includes() if header.endswith(".c")]
