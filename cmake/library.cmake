@@ -1,5 +1,5 @@
 # What users of target ipc see: its names, versions and include directories; and
-# the static library beside the shared one.  The sources are in src/c/libipc.
+# the static library beside the shared one.  Included where ipc is made.
 
 # Programs that were linked with CMU IPC 3.9.1 ask for libipc.so.1.
 set_target_properties(ipc PROPERTIES
@@ -24,11 +24,9 @@ ipc_describe_users(ipc)
 get_target_property(IPC_LIBRARY_TYPE ipc TYPE)
 if(IPC_LIBRARY_TYPE STREQUAL "SHARED_LIBRARY")
     add_library(ipc_static STATIC $<TARGET_OBJECTS:ipc> $<TARGET_OBJECTS:ipc_core>)
-    get_target_property(IPC_LIBRARY_BINARY_DIR ipc BINARY_DIR)
     set_target_properties(ipc_static PROPERTIES
         OUTPUT_NAME ipc
-        LINKER_LANGUAGE C
-        ARCHIVE_OUTPUT_DIRECTORY ${IPC_LIBRARY_BINARY_DIR})
+        LINKER_LANGUAGE C)
     target_link_libraries(ipc_static PUBLIC Threads::Threads)
     ipc_describe_users(ipc_static)
     set(IPC_ARCHIVE ipc_static)
