@@ -1,0 +1,68 @@
+"""The example modules hold the conversation that the manual shows."""
+import os
+import subprocess
+
+import pytest
+
+from support.processes import Process
+
+PATIENCE = 20
+
+
+class Module(Process):
+    """An example module whose keyboard the test has."""
+
+    def __init__(self, build, central, name):
+        super().__init__([os.path.join(build.directory, "examples", name)],
+                         stdin=subprocess.PIPE, env={"CENTRALHOST": central.address})
+        self.wait_for_line(r"^Type ", seconds=PATIENCE)
+
+    def type(self, keys):
+        self.process.stdin.write("".join(f"{key}\n" for key in keys).encode())
+        self.process.stdin.flush()
+
+    def expect(self, pattern):
+        self.wait_for_line(pattern, seconds=PATIENCE)
+
+
+@pytest.fixture
+def converse(build, central, stack):
+    """Starts module1 and the module that it is to talk to."""
+    def start(other):
+        listener = stack.enter_context(Module(build, central, other))
+        return stack.enter_context(Module(build, central, "module1")), listener
+    return start
+
+
+def check_conversation(asker, answerer, name):
+    asker.type("mr")
+    answerer.expect(rf"^msg1Handler: Receiving message1 \(42\) \[{name}\]$")
+    answerer.expect(rf"^queryHandler: Receiving query1 \[{name}\]$")
+    answerer.expect(r"^\{666, 1, \[\[0.00, 1.00, 2.00\], \[1.00, 2.00, 3.00\]\], 3.14\}$")
+    asker.expect(r"^msg2Handler: Receiving message2 \(Hello, world\) \[module1\]$")
+    asker.expect(r"^  Received response:$")
+    asker.expect(r'^\{"Hello, world", 1, <\{666, 1, ')
+    asker.expect(r"^ ReceiveVal\}$")
+
+
+@pytest.mark.parametrize("other", ["module2", "module3"])
+def test_message_and_query_reach_the_other_module_and_its_response_comes_back(converse, other):
+    asker, answerer = converse(other)
+    check_conversation(asker, answerer, other)
+    for module in (asker, answerer):
+        module.type("q")
+        assert module.wait(PATIENCE) == 0
+
+
+def test_module3_tells_who_comes_and_goes(converse):
+    asker, watcher = converse("module3")
+    watcher.expect(r"^connectHandler: module1 has connected \[module3\]$")
+    asker.type("q")
+    watcher.expect(r"^disconnectHandler: module1 has disconnected \[module3\]$")
+
+
+@pytest.mark.parametrize("name", ["module1", "module2", "module3"])
+def test_the_end_of_the_input_ends_a_module(build, central, stack, name):
+    module = stack.enter_context(Module(build, central, name))
+    module.process.stdin.close()
+    assert module.wait(PATIENCE) == 0
