@@ -7,6 +7,7 @@
 #include "libipc/compat.h"
 #include "libipc/connect.h"
 #include "libipc/exchange.h"
+#include "libipc/inbox.h"
 #include "libipc/watch_fd.h"
 
 IPC_RETURN_TYPE IPC_initialize(void)
@@ -92,7 +93,7 @@ fd_set IPC_getConnections(void)
         for (; position != &api.library->watched_fds; position = position->next) {
             add_fd(&set, LIST_OWNER(position, struct watched_fd, in_library)->fd);
         }
-        if (api.context->n_inbox > 0) {
+        if (inbox_first(api.context) != NULL) {
             /* A program that waits for these descriptors must not sleep over messages that are here. */
             add_fd(&set, api.library->waker.read_fd);
             waker_wake(&api.library->waker);

@@ -84,11 +84,16 @@ static int32_t await_number(struct _X_IPC_CONTEXT *context, struct awaited *awai
     return number;
 }
 
+/* Names that are asked for only to say that this library has the ability. */
+static const char *const abilities[] = {ABILITY_IN_ORDER};
+enum { N_ABILITIES = sizeof abilities / sizeof abilities[0] };
+
 /* Asks for all numbers at once; *get_broadcasts is that of the query for the list of broadcasts. */
 static bool look_up_needed(struct _X_IPC_CONTEXT *context, uint64_t deadline_ns,
                            int32_t *get_broadcasts)
 {
     struct awaited awaited[N_NEEDED + 1];
+    struct awaited unknown[N_ABILITIES];
     bool ok = true;
     for (int i = 0; i < N_NEEDED; i++) {
         ok = queue_look_up(context, library_messages[needed[i]].name, &awaited[i]) ==
@@ -96,11 +101,17 @@ static bool look_up_needed(struct _X_IPC_CONTEXT *context, uint64_t deadline_ns,
              ok;
     }
     ok = queue_look_up(context, GET_BROADCASTS, &awaited[N_NEEDED]) == IPC_No_Error && ok;
+    for (int i = 0; i < N_ABILITIES; i++) {
+        ok = queue_look_up(context, abilities[i], &unknown[i]) == IPC_No_Error && ok;
+    }
     ok = exchange_flush(context) == IPC_No_Error && ok;
     for (int i = 0; i < N_NEEDED; i++) {
         context->library_ids[needed[i]] = await_number(context, &awaited[i], deadline_ns);
     }
     *get_broadcasts = await_number(context, &awaited[N_NEEDED], deadline_ns);
+    for (int i = 0; i < N_ABILITIES; i++) {
+        (void)await_number(context, &unknown[i], deadline_ns); /* there is none */
+    }
     return ok && context->library_ids[LM_INTRODUCTION] != 0 &&
            context->library_ids[LM_READY] != 0 && context->library_ids[LM_SUBSCRIBE] != 0;
 }

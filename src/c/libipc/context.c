@@ -44,6 +44,7 @@ struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *
     context->module_name = mem_copy_string(module_name);
     context->port = port;
     context->will_listen = will_listen;
+    context->capacity = 1;
     link_init(&context->link, fd, FROM_CENTRAL);
     intmap_init(&context->awaited);
     table_init(&context->messages, TABLE_FOLDING);

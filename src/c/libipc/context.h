@@ -61,6 +61,8 @@ struct _X_IPC_CONTEXT {
     struct list inbox;             /* of struct instance, in the order in which they run */
     size_t n_inbox;
     size_t inbox_bytes;            /* content in it */
+    int capacity;                  /* deliveries of central that may be handled at a time */
+    int active;                    /* those being handled, or answered later */
     unsigned unfinished;           /* deliveries of central not yet acknowledged */
     uint64_t acknowledged_ns;      /* when the oldest acknowledgement that waits was queued, 0: none */
     struct list delayed;           /* of struct instance, response still to come */

@@ -153,6 +153,7 @@ static void deliver_message(struct instance *instance)
 
 void deliver(struct instance *instance)
 {
+    instance_activate(instance);
     if (instance->kind == INSTANCE_NOTICE) {
         notify_run(instance);
     } else {

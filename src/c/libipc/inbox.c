@@ -91,23 +91,38 @@ void inbox_add(struct instance *instance)
     instance_free(oldest);
 }
 
+struct instance *inbox_first(struct _X_IPC_CONTEXT *context)
+{
+    struct list *position = context->inbox.next;
+    for (; position != &context->inbox; position = position->next) {
+        if (instance_may_run(at(position))) {
+            return at(position);
+        }
+    }
+    return NULL;
+}
+
+static void take_out(struct instance *instance)
+{
+    list_remove(&instance->in_queue);
+    instance->context->n_inbox--;
+    instance->context->inbox_bytes -= instance->length;
+}
+
 struct instance *inbox_take(struct _X_IPC_CONTEXT *context)
 {
-    if (list_is_empty(&context->inbox)) {
-        return NULL;
+    struct instance *instance = inbox_first(context);
+    if (instance != NULL) {
+        take_out(instance);
     }
-    struct instance *instance = at(context->inbox.next);
-    list_remove(&instance->in_queue);
-    context->n_inbox--;
-    context->inbox_bytes -= instance->length;
     return instance;
 }
 
 void inbox_clear(struct _X_IPC_CONTEXT *context)
 {
-    struct instance *instance = inbox_take(context);
-    while (instance != NULL) {
+    while (!list_is_empty(&context->inbox)) {
+        struct instance *instance = at(context->inbox.next);
+        take_out(instance);
         instance_free(instance);
-        instance = inbox_take(context);
     }
 }

@@ -11,7 +11,10 @@
  * it is acknowledged and freed, and a warning is printed. */
 void inbox_add(struct instance *instance);
 
-/* Takes the first instance out; NULL: empty. */
+/* The first instance that may run now; NULL: none. */
+struct instance *inbox_first(struct _X_IPC_CONTEXT *context);
+
+/* Takes it out. */
 struct instance *inbox_take(struct _X_IPC_CONTEXT *context);
 
 /* Frees all of them. */

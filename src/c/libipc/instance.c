@@ -36,6 +36,7 @@ struct instance *instance_new(struct _X_IPC_CONTEXT *context, enum instance_kind
 void instance_free(struct instance *instance)
 {
     struct library *library = instance->context->library;
+    instance_passivate(instance);
     list_remove(&instance->in_queue);
     idpool_release(&library->instances, instance->number);
     free(instance->content);
@@ -56,6 +57,28 @@ struct instance *instance_find(const struct library *library, MSG_INSTANCE handl
     const uintptr_t number = ((uintptr_t)handle & NUMBER_MASK) - 1;
     struct instance *instance = idpool_get(&library->instances, (int64_t)number);
     return instance != NULL && instance_handle(instance) == handle ? instance : NULL;
+}
+
+bool instance_may_run(const struct instance *instance)
+{
+    const struct _X_IPC_CONTEXT *context = instance->context;
+    return instance->dispatch == NO_ID || context->active < context->capacity;
+}
+
+void instance_activate(struct instance *instance)
+{
+    if (instance->dispatch != NO_ID && !instance->active) {
+        instance->active = true;
+        instance->context->active++;
+    }
+}
+
+void instance_passivate(struct instance *instance)
+{
+    if (instance->active) {
+        instance->active = false;
+        instance->context->active--;
+    }
 }
 
 void instance_acknowledge(struct instance *instance)

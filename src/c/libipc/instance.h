@@ -38,6 +38,7 @@ struct instance {
     size_t length;
     enum byte_order order;
     bool running;             /* its handler has been called and has not returned */
+    bool active;              /* counts against the capacity */
     bool responded;
     bool delayed;
     struct list *watchers;    /* notices: of this list of the context */
@@ -55,6 +56,14 @@ MSG_INSTANCE instance_handle(const struct instance *instance);
 
 /* The live instance behind a handle, NULL if stale. */
 struct instance *instance_find(const struct library *library, MSG_INSTANCE handle);
+
+/* Whether the capacity lets it run now.  Central may send more than that ahead; and what does not
+ * come from central does not count. */
+bool instance_may_run(const struct instance *instance);
+
+/* It counts against the capacity from now on, or (instance_passivate) no longer. */
+void instance_activate(struct instance *instance);
+void instance_passivate(struct instance *instance);
 
 /* Acknowledges a delivery of central, once; the frame leaves with the next write. */
 void instance_acknowledge(struct instance *instance);

@@ -31,7 +31,7 @@ static void look(struct library *library, bool urgent)
     struct list *position = library->contexts.next;
     for (; position != &library->contexts; position = position->next) {
         struct _X_IPC_CONTEXT *context = context_at(position);
-        if (context_is_connected(context) && context->n_inbox == 0 &&
+        if (context_is_connected(context) && inbox_first(context) == NULL &&
             (urgent || context->try_first)) {
             context->try_first = receive(context);
             (void)direct_look(context, urgent); /* what came is in the inbox */
@@ -59,7 +59,7 @@ static int run_messages(struct _X_IPC_CONTEXT *context, int limit)
            turn_is_free(&context->turn)) {
         struct instance *instance = inbox_take(context);
         if (instance == NULL) {
-            break; /* a nested call has been faster */
+            break; /* a nested call has been faster, or the capacity is used up */
         }
         deliver(instance);
         flush_late_acknowledgements(context);
@@ -93,7 +93,7 @@ static void flush_acknowledgements(struct library *library)
     struct list *position = library->contexts.next;
     for (; position != &library->contexts; position = position->next) {
         struct _X_IPC_CONTEXT *context = context_at(position);
-        if (context_is_connected(context) && context->n_inbox == 0 &&
+        if (context_is_connected(context) && inbox_first(context) == NULL &&
             link_waiting(&context->link) > 0) {
             (void)exchange_flush(context); /* a loss shows in the context's state */
         }

@@ -191,6 +191,7 @@ static IPC_ERROR_TYPE send_response(struct instance *instance, const struct mess
         frame.class_data = name.bytes;
         frame.class_length = (uint32_t)name.length;
         instance->responded = true;
+        instance_passivate(instance);
         error = instance->peer == NULL
                     ? respond_routed(instance, &frame, message, content, length)
                     : respond_direct(instance, &frame, message, content, length);

@@ -10,6 +10,7 @@
 IPC_ERROR_TYPE queue_set_capacity(struct _X_IPC_CONTEXT *context, int capacity)
 {
     const struct number_and_name resource = {capacity, context->module_name};
+    context->capacity = capacity;
     const IPC_ERROR_TYPE error = exchange_notice(context, LM_RESOURCE, &resource);
     return error == IPC_No_Error && context->direct ? direct_announce(context) : error;
 }

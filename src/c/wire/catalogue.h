@@ -75,6 +75,13 @@ enum library_message {
 #define FORMAT_HANDLER_LIST "{int, <{int, int, int, int, string, string}:1>}"
 #define FORMAT_LOG_OPTIONS "{*int, int, int, int, int, int, int, int, int, int, int, int}"
 
+/*
+ * Names of abilities.  No message has such a name: a library that asks central for
+ * one in the handshake says by it that it has the ability.  Others never ask, and an
+ * original central takes it for any unknown name.
+ */
+#define ABILITY_IN_ORDER "ipc_x_in_order" /* takes in everything in the order of arrival */
+
 struct library_message_entry {
     const char *name;
     const char *alias;   /* older name of the same message; NULL: none */
