@@ -705,6 +705,13 @@ static void command_watch_connect(char **words, int count)
     print_result(IPC_subscribeConnect(handle_connect, NULL));
 }
 
+static void command_unwatch_connect(char **words, int count)
+{
+    (void)words;
+    (void)count;
+    print_result(IPC_unsubscribeConnect(handle_connect));
+}
+
 static void command_watch_disconnect(char **words, int count)
 {
     (void)words;
@@ -744,7 +751,7 @@ static void command_race_subscribe(char **words, int count)
     char name[32];
     (void)count;
 
-    for (int i = 0; i < rounds && fifo; i++) {
+    for (int i = 0; i < rounds && fifo && lost < 5; i++) {
         snprintf(name, sizeof name, "race%d", i);
         char *subscribe[] = {NULL, name, "0", "sequence"};
         unsigned long before = driver.events;
@@ -842,6 +849,7 @@ static const struct command {
     {"subscribe_data", 2, command_subscribe_data},
     {"unsubscribe", 2, command_unsubscribe},
     {"until", 3, command_until},
+    {"unwatch_connect", 1, command_unwatch_connect},
     {"unwatch_handlers", 2, command_unwatch_handlers},
     {"verbosity", 2, command_verbosity},
     {"watch_connect", 1, command_watch_connect},
