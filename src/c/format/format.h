@@ -25,15 +25,17 @@ struct format_names;
 
 /* What a parser has to say about a string. */
 struct format_diagnosis {
-    char *text;      /* whole lines to print, newline-ended; NULL: nothing to say; the caller frees it */
+    char *text; /* whole lines to print, newline-ended; NULL: nothing to say; the caller frees it */
     size_t position; /* 0-based offset of the offending token in the string it stands in */
 };
 
 /*
  * Parses text into a format.  names resolves named formats and may be NULL.
  * Returns 0 and a reference that the caller gives back with format_unref (also
- * when it accepts with a warning), or ERR_FORMAT, or ERR_MEMORY.  diagnosis may
- * be NULL; otherwise it is always set.
+ * when it accepts with a warning), or ERR_FORMAT, or ERR_UNKNOWN when it needs a
+ * named format that nobody knows.  diagnosis may be NULL; otherwise it is always
+ * set.  The text of an unknown name is NULL when whoever was asked answered with
+ * the bad format, because central reports that itself.
  */
 int format_parse(const char *text, const struct format_names *names, struct format **format,
                  struct format_diagnosis *diagnosis);
@@ -71,12 +73,27 @@ char *format_portable_text(const char *text, const struct format_names *names);
 
 /* ------------------------------------------------------------------ values */
 
-/* Exact number of wire bytes of a value: 0 or ERR_NULL, ERR_RANGE, ERR_LIMIT, ERR_DEPTH, ERR_FORMAT. */
+/* Exact number of wire bytes of a value: 0 or ERR_NULL, ERR_RANGE, ERR_LIMIT, ERR_DEPTH,
+ * ERR_FORMAT. */
 int format_measure(const struct format *format, const void *value, size_t *length);
 
-/* Appends the wire image of a value: 0 or as format_measure, or ERR_MEMORY; out is as before on failure. */
+/* Appends the wire image of a value: 0 or as format_measure, or ERR_MEMORY; out is as before on
+ * failure. */
 int format_encode(const struct format *format, const void *value, enum byte_order order,
                   struct buffer *out);
+
+/* The value of the primitive X_IPC_REF_PTR: a malloc block, as is its name (NULL if empty). */
+struct format_reference {
+    int number;
+    char *name;
+};
+
+/*
+ * Whether an empty string decodes as "" (true) or, as old programs test for it,
+ * as NULL (false, the state at start).  For the whole process; to be set before
+ * the first decoding and not while another thread decodes.
+ */
+void format_set_empty_strings(bool keep);
 
 /* Bytes to decode from. */
 struct format_source {
@@ -97,10 +114,11 @@ int format_decode(const struct format *format, const struct format_source *sourc
                   size_t *used);
 
 /* The same into a new malloc block; *value is NULL on failure and for formats of size 0. */
-int format_decode_new(const struct format *format, const struct format_source *source,
-                      void **value, size_t *used);
+int format_decode_new(const struct format *format, const struct format_source *source, void **value,
+                      size_t *used);
 
-/* Frees everything that the value points to and sets those pointers to NULL; keeps the value itself. */
+/* Frees everything that the value points to and sets those pointers to NULL; keeps the value
+ * itself. */
 int format_release(const struct format *format, void *value);
 
 /*

@@ -22,7 +22,8 @@ void format_names_free(struct format_names *names);
 /* Whom to ask for unknown names; ask NULL: nobody. */
 void format_names_set_ask(struct format_names *names, format_ask ask, void *asked);
 
-/* Defines or redefines: 0, ERR_FORMAT for the name of a primitive, ERR_NULL for a missing argument. */
+/* Defines or redefines: 0, ERR_FORMAT for the name of a primitive, ERR_NULL for a missing argument.
+ */
 int format_names_define(struct format_names *names, const char *name, const char *text);
 
 /* Whether the table itself (nobody is asked) holds the name. */

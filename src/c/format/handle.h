@@ -1,0 +1,36 @@
+/*
+ * A format as the other files of this folder see it.
+ */
+#ifndef IPC_FORMAT_HANDLE_H
+#define IPC_FORMAT_HANDLE_H
+
+#include "format/format.h"
+#include "format/program.h"
+#include "format/type.h"
+
+struct format {
+    size_t references; /* unused by the bad format, which is never freed */
+    struct type *type; /* NULL: the bad format */
+    struct program programs[N_PROGRAMS];
+};
+
+/* A format with one reference around a complete type, which becomes its own. */
+struct format *format_new(struct type *type);
+
+/* The program for bytes in the given order. */
+static inline const struct program *format_program(const struct format *format,
+                                                   enum byte_order order)
+{
+    return &format->programs[order == byte_order_of_host() ? PROGRAM_NATIVE : PROGRAM_FOREIGN];
+}
+
+/*
+ * What must hold before a value is touched: 0 to go on, 1 when there is nothing to do (no
+ * format, or one of size 0), ERR_FORMAT for the bad format, ERR_NULL for a missing value.
+ */
+int format_check(const struct format *format, const void *value);
+
+/* Empty strings decode as "" rather than NULL; see format_set_empty_strings. */
+bool format_keeps_empty_strings(void);
+
+#endif
