@@ -118,15 +118,11 @@ class Driver(Process):
     def leave(self):
         """Disconnects and ends; returns the exit status."""
         self.start("quit")
-        self.process.stdin.close()
+        self.close_stdin()
         return self.wait()
 
     def stop(self):
-        try:
-            if self.alive():
-                self.process.stdin.close()
-        except BrokenPipeError:
-            pass
+        self.close_stdin()
         super().stop()
 
 

@@ -1,11 +1,13 @@
 """Programs that tests start: a central, modules, anything; captured, bounded, ended by pid."""
 import os
+import pty
 import re
 import shutil
 import signal
 import socket
 import subprocess
 import threading
+import tty
 
 from support.waiting import Deadline, PATIENCE, SLOW, TimedOut
 
@@ -14,15 +16,27 @@ SANITIZER_TRACES = ("ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "runtime 
 
 
 class Process:
-    """A running program whose output is collected line by line."""
+    """A running program whose output is collected line by line.
 
-    def __init__(self, arguments, *, stdin=subprocess.DEVNULL, env=None, cwd=None):
+    With terminal=True its standard output is a terminal, so that programs that leave the buffering to stdio
+    write whole lines.
+    """
+
+    def __init__(self, arguments, *, stdin=subprocess.DEVNULL, env=None, cwd=None,
+                 terminal=False):
         self.arguments = [str(argument) for argument in arguments]
         # The leak checker counts what a module keeps for life, and would change its exit status.
         options = {"ASAN_OPTIONS": "detect_leaks=0"} if stdin == subprocess.PIPE else {}
+        stdout, ours = subprocess.PIPE, None
+        if terminal:
+            ours, stdout = pty.openpty()
+            tty.setraw(stdout)
         self.process = subprocess.Popen(
-            self.arguments, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            self.arguments, stdin=stdin, stdout=stdout, stderr=subprocess.PIPE,
             env={**os.environ, **options, **(env or {})}, cwd=cwd)
+        if terminal:
+            os.close(stdout)
+            self.process.stdout = os.fdopen(ours, "rb")
         self.stdout, self.stderr = [], []
         self._news = threading.Condition()
         self._open = 2
@@ -34,10 +48,13 @@ class Process:
             reader.start()
 
     def _read(self, stream, lines):
-        for raw in stream:
-            with self._news:
-                lines.append(raw.decode("latin-1").rstrip("\n"))
-                self._news.notify_all()
+        try:
+            for raw in stream:
+                with self._news:
+                    lines.append(raw.decode("latin-1").rstrip("\n"))
+                    self._news.notify_all()
+        except OSError:
+            pass  # a terminal ends like this
         stream.close()
         with self._news:
             self._open -= 1
@@ -89,6 +106,11 @@ class Process:
             reader.join(PATIENCE)
         return self.process.returncode
 
+    def write_line(self, text):
+        """Writes a line to the standard input, which has to be a pipe."""
+        self.process.stdin.write(text.encode() + b"\n")
+        self.process.stdin.flush()
+
     def signal(self, number):
         if self.alive():
             os.kill(self.pid, number)
@@ -104,9 +126,15 @@ class Process:
             self.wait()
             raise
         finally:
+            self.close_stdin()
+        self.check_sanitizers()
+
+    def close_stdin(self):
+        try:
             if self.process.stdin:
                 self.process.stdin.close()
-        self.check_sanitizers()
+        except BrokenPipeError:
+            pass
 
     def check_sanitizers(self):
         text = self.output()

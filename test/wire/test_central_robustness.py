@@ -234,6 +234,7 @@ FOREIGN = {
 def test_other_protocols_are_refused(text, stack, central, pair):
     """13.1: an HTTP request, zero bytes."""
     peer = stack.enter_context(Peer(central, "BROWSER"))
+    peer.read_prelude()
     peer.send_bytes(text)
     assert_closed(peer)
     pair.exchange()
