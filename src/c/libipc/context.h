@@ -49,6 +49,7 @@ struct _X_IPC_CONTEXT {
     bool new_central;      /* central of this project: its promises may be relied on */
 
     struct link link;
+    unsigned writers;      /* threads that wait for what they have queued to be written */
     bool try_first;        /* the last attempt to read found something */
     int32_t last_reference;
     int32_t library_ids[LM_COUNT]; /* 0: not looked up yet */

@@ -47,10 +47,12 @@ IPC_ERROR_TYPE exchange_flush(struct _X_IPC_CONTEXT *context)
 IPC_ERROR_TYPE exchange_drain(struct _X_IPC_CONTEXT *context, uint64_t mark)
 {
     IPC_ERROR_TYPE error = exchange_flush(context);
+    context->writers++;
     while (error == IPC_No_Error && context->link.written < mark) {
         wait_turn(context->library, NO_DEADLINE);
         error = context_is_open(context) ? IPC_No_Error : IPC_Communication_Error;
     }
+    context->writers--;
     return error;
 }
 

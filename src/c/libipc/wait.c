@@ -80,14 +80,34 @@ static void waiting_add(void *waiting_pointer, int fd, int wanted, struct _X_IPC
     waiting->contexts[waiting->n_items++] = context;
 }
 
-/* What waits for this thread to write goes out first, then everything is listed that may wake it. */
+static struct _X_IPC_CONTEXT *context_at(struct list *position)
+{
+    return LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
+}
+
+/* Writes what waits to be written.  Returns whether that, or a loss, is what some thread waits for. */
+static bool flush_all(struct library *library)
+{
+    bool came = false;
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        struct _X_IPC_CONTEXT *context = context_at(position);
+        if (context_is_open(context) && link_waiting(&context->link) > 0) {
+            const IPC_ERROR_TYPE error = exchange_flush(context);
+            came = came || error != IPC_No_Error ||
+                   (context->writers > 0 && link_waiting(&context->link) == 0);
+        }
+    }
+    return came;
+}
+
+/* Lists everything that may wake this thread. */
 static void gather(struct library *library, struct waiting *waiting)
 {
     struct list *position = library->contexts.next;
     for (; position != &library->contexts; position = position->next) {
-        struct _X_IPC_CONTEXT *context =
-            LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
-        if (context_is_open(context) && exchange_flush(context) == IPC_No_Error) {
+        struct _X_IPC_CONTEXT *context = context_at(position);
+        if (context_is_open(context)) {
             const bool full = link_waiting(&context->link) > 0;
             waiting_add(waiting, context->link.fd, full ? READY_READ | READY_WRITE : READY_READ,
                         context);
@@ -191,24 +211,40 @@ static void wait_in_kernel(struct library *library, uint64_t deadline_ns)
     waiting_fini(&waiting);
 }
 
-void wait_turn(struct library *library, uint64_t deadline_ns)
+/* Whether a connection has more to write than the kernel takes. */
+static bool is_any_full(struct library *library)
 {
-    if (!library->polling) {
-        wait_in_kernel(library, deadline_ns);
-        return;
-    }
     struct list *position = library->contexts.next;
     for (; position != &library->contexts; position = position->next) {
-        struct _X_IPC_CONTEXT *context =
-            LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
-        if (context_is_open(context) && exchange_flush(context) == IPC_No_Error &&
-            link_waiting(&context->link) > 0) {
-            waker_wake(&library->waker); /* the thread in the kernel does not wait for room yet */
+        struct _X_IPC_CONTEXT *context = context_at(position);
+        if (context_is_open(context) &&
+            (link_waiting(&context->link) > 0 || context->draining > 0)) {
+            return true;
         }
+    }
+    return false;
+}
+
+static void wait_for_other(struct library *library, uint64_t deadline_ns)
+{
+    if (is_any_full(library)) {
+        waker_wake(&library->waker); /* the thread in the kernel may not wait for room yet */
     }
     library->sleepers++;
     condition_wait(library->changed, library->lock, deadline_ns);
     library->sleepers--;
+}
+
+void wait_turn(struct library *library, uint64_t deadline_ns)
+{
+    if (flush_all(library)) {
+        return;
+    }
+    if (library->polling) {
+        wait_for_other(library, deadline_ns);
+    } else {
+        wait_in_kernel(library, deadline_ns);
+    }
 }
 
 void wait_poll_fds(struct library *library)
