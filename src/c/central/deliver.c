@@ -1,0 +1,58 @@
+/*
+ * One delivery: from being sent to being reported finished.
+ *
+ * The message's name goes along as class data every time.  CMU IPC leaves it
+ * out once the module has asked about the message for that handler; a module
+ * needs it at most once, and never minds it.
+ */
+#include "central/deliver.h"
+
+static void start(struct dispatch *dispatch)
+{
+    struct resource *resource = dispatch->handler->resource;
+    dispatch->state = DISPATCH_ACTIVE;
+    dispatch->resource = resource;
+    list_append(&resource->active, &dispatch->link);
+    if (!dispatch->uncounted) {
+        resource->attending++;
+    }
+}
+
+static void queue_frame(struct server *server, const struct dispatch *dispatch)
+{
+    struct frame frame;
+    frame_init(&frame, (enum frame_class)dispatch->class);
+    frame.class_length = dispatch->message->label_length;
+    frame.class_data = dispatch->message->label;
+    frame.data_length = dispatch->data_length;
+    frame.data = dispatch->data;
+    frame.data_order = dispatch->data_order;
+    frame.block = dispatch->block;
+    frame.parent = dispatch->parent;
+    frame.intent = dispatch->handler->id;
+    frame.reference = (int32_t)dispatch->id;
+    outbox_queue(server, dispatch->handler->module, &frame,
+                 dispatch->uncounted ? OUTBOX_FIRST : OUTBOX_NORMAL);
+}
+
+void deliver(struct server *server, struct dispatch *dispatch, bool from_queue)
+{
+    start(dispatch);
+    if (from_queue) {
+        log_released(&server->log, dispatch);
+    } else {
+        log_sent(&server->log, dispatch, dispatch->handler->module->name);
+    }
+    queue_frame(server, dispatch);
+    if (!server->options->resend || dispatch->block == NULL) {
+        dispatch_drop_data(dispatch);
+    }
+}
+
+void deliver_end(struct server *server, struct dispatch *dispatch)
+{
+    if (!dispatch->uncounted) {
+        dispatch->resource->attending--;
+    }
+    dispatch_free(&server->dispatches, dispatch);
+}

@@ -1,0 +1,15 @@
+/*
+ * One delivery: from being sent to being reported finished.
+ */
+#ifndef IPC_CENTRAL_DELIVER_H
+#define IPC_CENTRAL_DELIVER_H
+
+#include "central/outbox.h"
+
+/* Sends a dispatch to its handler; from_queue: it waited in its resource's queue (for the log). */
+void deliver(struct server *server, struct dispatch *dispatch, bool from_queue);
+
+/* Ends an active dispatch and frees it; its resource may then have room. */
+void deliver_end(struct server *server, struct dispatch *dispatch);
+
+#endif

@@ -1,0 +1,278 @@
+/*
+ * Flow control: which deliveries go now, and which wait.
+ */
+#include "central/flow.h"
+
+#include "central/claim.h"
+#include "central/deliver.h"
+#include "central/watch.h"
+
+/* ------------------------------------------------------------------ may it go */
+
+/* The queue from which deliveries of that sender come, NULL while nothing of it is sent. */
+static struct pending *queue_for(struct resource *resource, const struct module *sender)
+{
+    switch (resource->state) {
+    case RESOURCE_ACTIVE:
+        return &resource->pending;
+    case RESOURCE_RESERVED:
+        return resource->claim->sender == sender ? &resource->holders_own : NULL;
+    case RESOURCE_LOCKED:
+        break;
+    }
+    return NULL;
+}
+
+static bool takes_more(const struct server *server, const struct resource *resource)
+{
+    return resource->owner->state == MODULE_READY && resource_has_room(resource) &&
+           outbox_has_room(server, resource->owner);
+}
+
+bool flow_is_free(const struct server *server, struct resource *resource,
+                  const struct module *sender)
+{
+    const struct pending *queue = queue_for(resource, sender);
+    return queue != NULL && pending_is_empty(queue) && takes_more(server, resource);
+}
+
+/* -------------------------------------------------------------------- waiting */
+
+static struct dispatch *dispatch_of(struct pending_item *item)
+{
+    return item == NULL ? NULL : LIST_OWNER(item, struct dispatch, waiting);
+}
+
+/* Gives up a dispatch that has left its queue because too many wait. */
+static void drop(struct server *server, struct dispatch *dispatch)
+{
+    server->statistics.n_dropped++;
+    dispatch_free(&server->dispatches, dispatch);
+}
+
+static void drop_for_lack_of_memory(struct server *server, struct dispatch *dispatch)
+{
+    log_status(&server->log, "WARNING: no memory to keep %s of %s\n", dispatch->message->name,
+               dispatch_sender_name(dispatch));
+    drop(server, dispatch);
+}
+
+/* Says once per burst that deliveries are given up. */
+static void note_overflow(struct server *server, struct resource *resource)
+{
+    if (!resource->overflowing) {
+        resource->overflowing = true;
+        log_warning(&server->log, resource->owner,
+                    "the queue of %s is full, its oldest messages are dropped", resource->name);
+    }
+}
+
+/* Gives up the oldest deliveries while more wait than may wait for any resource. */
+static void trim(struct server *server, struct resource *resource, struct pending *queue)
+{
+    const struct central_limits *limits = &server->options->limits;
+    while (queue->count > limits->pending_messages ||
+           (queue->bytes > limits->pending_bytes && queue->count > 1)) {
+        note_overflow(server, resource);
+        drop(server, dispatch_of(pending_take_oldest(queue)));
+    }
+}
+
+/* Puts a dispatch into its resource's queue; false when a limit leaves no place for it. */
+static bool put_in_queue(struct server *server, struct dispatch *dispatch)
+{
+    struct resource *resource = dispatch->handler->resource;
+    struct pending *queue = queue_for(resource, dispatch->sender);
+    if (queue == NULL) {
+        queue = &resource->pending;
+    }
+    dispatch->state = DISPATCH_PENDING;
+    dispatch->resource = resource;
+    struct dispatch *dropped = dispatch_of(pending_add(
+        queue, &dispatch->message->subject, &dispatch->waiting, dispatch->data_length));
+    const bool has_place = dropped != dispatch;
+    if (dropped != NULL) {
+        log_limited(&server->log, dropped);
+        drop(server, dropped);
+    }
+    return has_place;
+}
+
+static void wait_in_queue(struct server *server, struct dispatch *dispatch, struct block **shared)
+{
+    struct resource *resource = dispatch->handler->resource;
+    if (dispatch_keep(dispatch, shared) != 0) {
+        drop_for_lack_of_memory(server, dispatch);
+    } else if (put_in_queue(server, dispatch)) {
+        log_queued(&server->log, dispatch, resource->name);
+        trim(server, resource, dispatch->waiting.flow->queue);
+    }
+}
+
+void flow_enter(struct server *server, struct dispatch *dispatch, struct block **shared)
+{
+    struct resource *resource = dispatch->handler->resource;
+    if (!flow_is_free(server, resource, dispatch->sender)) {
+        wait_in_queue(server, dispatch, shared);
+        return;
+    }
+    /* Long data is shared with the link; data that may have to be sent again is kept. */
+    const bool keep = *shared != NULL || server->options->resend;
+    if (keep && dispatch_keep(dispatch, shared) != 0) {
+        drop_for_lack_of_memory(server, dispatch);
+        return;
+    }
+    watch_catch_up(server, resource->owner);
+    deliver(server, dispatch, false);
+}
+
+/* ------------------------------------------------------------ without handler */
+
+static void leave_message(struct dispatch *dispatch)
+{
+    dispatch->message->n_waiting--;
+    dispatch->message->waiting_bytes -= dispatch->data_length;
+    list_remove(&dispatch->link);
+}
+
+/* Makes room among those that wait for a handler, for one of so many bytes. */
+static void trim_waiting(struct server *server, struct message *message, size_t bytes)
+{
+    while (message->n_waiting > 0 && (message->n_waiting >= LIMIT_WAITING_QUERIES ||
+                                      message->waiting_bytes + bytes > LIMIT_WAITING_BYTES)) {
+        struct dispatch *oldest = LIST_OWNER(message->waiting.next, struct dispatch, link);
+        log_limited(&server->log, oldest);
+        leave_message(oldest);
+        drop(server, oldest);
+    }
+}
+
+void flow_wait_for_handler(struct server *server, struct dispatch *dispatch,
+                           struct block **shared)
+{
+    struct message *message = dispatch->message;
+    if (dispatch_keep(dispatch, shared) != 0) {
+        drop_for_lack_of_memory(server, dispatch);
+        return;
+    }
+    trim_waiting(server, message, dispatch->data_length);
+    dispatch->state = DISPATCH_WAITING;
+    list_append(&message->waiting, &dispatch->link);
+    message->n_waiting++;
+    message->waiting_bytes += dispatch->data_length;
+    log_queued(&server->log, dispatch, message->name);
+}
+
+void flow_adopt(struct server *server, struct message *message, struct handler *handler)
+{
+    struct list *at, *following;
+    LIST_EACH(at, following, &message->waiting) {
+        struct dispatch *dispatch = LIST_OWNER(at, struct dispatch, link);
+        leave_message(dispatch);
+        dispatch->handler = handler;
+        log_transferred(&server->log, dispatch, handler->resource);
+        (void)put_in_queue(server, dispatch); /* a limit may drop it, which has been logged then */
+    }
+    trim(server, handler->resource, &handler->resource->pending);
+    flow_release(server, handler->resource);
+}
+
+/* ------------------------------------------------------------------ releasing */
+
+/* Takes the next delivery that may go, or NULL. */
+static struct dispatch *take_next(struct resource *resource)
+{
+    if (resource->state == RESOURCE_LOCKED) {
+        return NULL;
+    }
+    struct pending_item *item = pending_take(&resource->holders_own);
+    if (item == NULL && resource->state == RESOURCE_ACTIVE) {
+        item = pending_take(&resource->pending);
+    }
+    return dispatch_of(item);
+}
+
+void flow_release(struct server *server, struct resource *resource)
+{
+    claim_grant_waiting(server, resource);
+    while (resource_has_waiting(resource) && takes_more(server, resource)) {
+        struct dispatch *dispatch = take_next(resource);
+        if (dispatch == NULL) {
+            return;
+        }
+        watch_catch_up(server, resource->owner);
+        deliver(server, dispatch, true);
+    }
+    if (pending_is_empty(&resource->pending)) {
+        resource->overflowing = false;
+    }
+}
+
+void flow_release_all(struct server *server, struct module *module)
+{
+    struct list *at, *following;
+    LIST_EACH(at, following, &module->resources) {
+        flow_release(server, LIST_OWNER(at, struct resource, in_owner));
+    }
+}
+
+void flow_finish(struct server *server, struct dispatch *dispatch)
+{
+    struct resource *resource = dispatch->resource;
+    struct handler *handler = dispatch->handler;
+    struct message *message = dispatch->message;
+    const bool was_watch = dispatch->uncounted;
+    deliver_end(server, dispatch);
+    if (was_watch) {
+        watch_handled(server, handler, message);
+    } else if (resource_has_waiting(resource) || !list_is_empty(&resource->claims)) {
+        flow_release(server, resource);
+    }
+}
+
+/* --------------------------------------------------------------- rare changes */
+
+static void move_queue(struct server *server, struct pending *queue, const struct handler *handler)
+{
+    struct list *at, *following;
+    LIST_EACH(at, following, &queue->by_age) {
+        struct dispatch *dispatch =
+            LIST_OWNER(LIST_OWNER(at, struct pending_item, by_age), struct dispatch, waiting);
+        if (dispatch->handler == handler) {
+            pending_remove(&dispatch->waiting);
+            (void)put_in_queue(server, dispatch); /* a limit may drop it, which is logged then */
+        }
+    }
+}
+
+void flow_move(struct server *server, struct handler *handler, struct resource *to)
+{
+    struct resource *from = handler->resource;
+    if (from == to) {
+        return;
+    }
+    handler->resource = to;
+    move_queue(server, &from->pending, handler);
+    move_queue(server, &from->holders_own, handler);
+    flow_release(server, to);
+}
+
+static void clear_queue(struct server *server, struct pending *queue)
+{
+    struct dispatch *dispatch;
+    while ((dispatch = dispatch_of(pending_take(queue))) != NULL) {
+        log_cleared(&server->log, dispatch);
+        dispatch_free(&server->dispatches, dispatch);
+    }
+}
+
+void flow_clear(struct server *server, struct resource *resource)
+{
+    while (!list_is_empty(&resource->active)) {
+        struct dispatch *dispatch = LIST_OWNER(resource->active.next, struct dispatch, link);
+        log_cleared(&server->log, dispatch);
+        deliver_end(server, dispatch);
+    }
+    clear_queue(server, &resource->holders_own);
+    clear_queue(server, &resource->pending);
+}

@@ -1,0 +1,47 @@
+/*
+ * How much of the server a module may use.
+ *
+ * Every queue, length and count that a module can make grow has its bound here;
+ * those that concern frames and names of both sides are in base/limits.h.
+ */
+#ifndef IPC_CENTRAL_LIMITS_H
+#define IPC_CENTRAL_LIMITS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/limits.h"
+
+#define LIMIT_MESSAGES 262144u         /* message names, defined or only mentioned */
+#define LIMIT_VARIABLES 65536u         /* variables, those of watched handlers included */
+#define LIMIT_NAMED_FORMATS 65536u     /* definitions of named formats */
+#define LIMIT_HANDLERS 65536u          /* handler names of one module, deregistered ones included */
+#define LIMIT_SUBSCRIPTIONS 1024u      /* messages that one handler is subscribed to */
+#define LIMIT_RESOURCES 1024u          /* resources of one module */
+#define LIMIT_CLAIMS 1024u             /* locks and reservations that one module holds or waits for */
+#define LIMIT_PROVIDED 4096u           /* names that one module provides or requires */
+#define LIMIT_TAPS 1024u               /* taps of one message */
+#define LIMIT_DIRECT_HANDLERS 100u     /* handlers that a publisher in direct mode is told of */
+#define LIMIT_WAITING_QUERIES 100000u  /* queries to one message that nobody handles yet */
+#define LIMIT_WAITING_BYTES (256u * 1024 * 1024) /* data of these */
+
+/* Those that an operator may change; the defaults are in options.c. */
+struct central_limits {
+    uint32_t data;             /* bytes of data in one frame */
+    uint32_t class_data;       /* bytes of class data in one frame */
+    uint64_t out_queue;        /* unsent bytes above which a module's queue is not taken from */
+    uint64_t pending_bytes;    /* data that waits for one resource */
+    size_t pending_messages;   /* deliveries that wait for one resource */
+    uint64_t introduction_ns;  /* patience with a connection that does not introduce itself */
+    uint64_t stuck_ns;         /* patience with a module whose unsent bytes exceed every measure */
+    size_t unintroduced;       /* connections that have not introduced themselves yet */
+};
+
+/* Unsent bytes above which a module is stuck: replies must have piled up, since a queue is not taken
+ * from above the first limit, and then one frame of the longest kind still fits. */
+static inline uint64_t limits_stuck_bytes(const struct central_limits *limits)
+{
+    return 2 * limits->out_queue + limits->data;
+}
+
+#endif

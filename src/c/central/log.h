@@ -1,0 +1,129 @@
+/*
+ * The log: every line that the server writes about its work.
+ *
+ * There are two logs with the same vocabulary, the terminal and a file, each
+ * with its own switches.  The exact text of every line is made here, because
+ * log viewers and scripts read it.  Nothing here waits: text gathers in sinks.
+ */
+#ifndef IPC_CENTRAL_LOG_H
+#define IPC_CENTRAL_LOG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "central/dispatch.h"
+#include "central/options.h"
+#include "central/sink.h"
+#include "central/text.h"
+#include "platform/process.h"
+
+struct log {
+    struct options *options; /* holds the switches of both logs */
+    struct sink terminal;
+    struct sink file;
+    bool file_is_open;
+    bool closed;       /* nothing is written any more */
+    char *file_name;   /* owned; of the file that is or was open */
+    bool messages_on;  /* some log shows message lines: see log_switched */
+    bool data_on;
+    bool summary_on;
+    const struct format_names *names; /* to read the formats of messages with */
+    void (*clock)(struct local_time *time);
+    struct buffer line; /* scratch */
+};
+
+/* terminal_fd -1: the terminal's text only gathers. */
+void log_init(struct log *log, struct options *options, int terminal_fd);
+void log_fini(struct log *log);
+
+/* Writes what waits; from here on nothing is written any more. */
+void log_close(struct log *log);
+
+/* Has to be called after the options were changed. */
+void log_switched(struct log *log);
+
+/* Whether the switches of the file ask for one. */
+bool log_wants_file(const struct log *log);
+
+/* Opens the file of the options' name, or of a generated one: 0 or ERR_IO. */
+int log_open_file(struct log *log);
+
+/* Starts a new file of the same name where the old one was moved away: 0 or ERR_IO. */
+int log_reopen_file(struct log *log);
+
+/* Lets leave what the streams take; says on standard error when a log file has failed. */
+void log_flush(struct log *log);
+
+/* ------------------------------------------------------- lines of any class */
+
+/* To both logs, whatever the switches. */
+void log_always(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+
+/* Status class. */
+void log_status(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+
+/* Status class: a message is defined anew.  Logs that ignore leave it out. */
+void log_redefined(struct log *log, const struct message *message);
+
+/* Message class, but about no dispatch. */
+void log_notice(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+
+/* Status class: something that a module did is ignored, or ends its connection. */
+void log_warning(struct log *log, const struct module *module, const char *format, ...)
+    TEXT_LIKE_PRINTF(3, 4);
+
+/* Terminal only, not when silent: banner, prompt, answers to commands. */
+void log_terminal(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+
+/* ----------------------------------------------------- the life of a dispatch */
+
+/* Sent at once. */
+void log_sent(struct log *log, struct dispatch *dispatch, const char *receiver);
+
+/* Queued for a resource, or standing in for a handler under the message's name. */
+void log_queued(struct log *log, const struct dispatch *dispatch, const char *resource);
+
+/* A request to lock or reserve has to wait. */
+void log_request_waits(struct log *log, const struct dispatch *dispatch);
+
+/* Sent from the queue of its resource. */
+void log_released(struct log *log, struct dispatch *dispatch);
+
+void log_done(struct log *log, const struct dispatch *dispatch);
+void log_failed(struct log *log, const struct dispatch *dispatch, const char *reason, int length);
+
+/* Data of a reply: in the format of a message (a response), or in one of its own. */
+struct log_reply {
+    const char *replier;
+    const uint8_t *data;
+    size_t length;
+    enum byte_order order;
+    struct message *message;     /* NULL: format says it */
+    const struct format *format;
+};
+
+void log_replied(struct log *log, const struct dispatch *dispatch, const struct log_reply *reply);
+
+/* Dropped, because as many wait as may. */
+void log_limited(struct log *log, const struct dispatch *dispatch);
+
+/* Given up, because its module has ended. */
+void log_cleared(struct log *log, const struct dispatch *dispatch);
+
+/* Handed from the stand-in of its message to a resource. */
+void log_transferred(struct log *log, const struct dispatch *dispatch,
+                     const struct resource *resource);
+
+/* Handled-time summary of one message. */
+struct log_summary {
+    uint64_t count;
+    double message_share; /* of the working time before, in percent */
+    uint64_t bytes;
+    uint64_t milliseconds;
+    uint64_t average_bytes;
+    uint64_t average_milliseconds;
+};
+
+void log_summarise(struct log *log, const struct log_summary *summary);
+
+#endif

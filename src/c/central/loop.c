@@ -1,0 +1,357 @@
+/*
+ * The loop: the server's sockets, streams and signals.
+ */
+#include "central/loop.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "central/conversation.h"
+#include "central/ending.h"
+#include "central/watch.h"
+#include "platform/process.h"
+
+enum {
+    N_EVENTS = 128,       /* taken from the poller at a time */
+    ACCEPTED_A_TURN = 64, /* connections */
+    LAST_WORDS_PAUSE_MS = 10,
+    LOCAL_MODE = 0777     /* everybody may connect, as to the TCP port */
+};
+
+#define MS_NS UINT64_C(1000000)
+#define ACCEPT_PAUSE_NS (1000 * MS_NS)
+#define LAST_WORDS_NS (1000 * MS_NS)
+
+/* ------------------------------------------------------------------ life cycle */
+
+int loop_init(struct loop *loop, struct server *server)
+{
+    memset(loop, 0, sizeof *loop);
+    loop->server = server;
+    loop->tcp = -1;
+    loop->local.fd = -1;
+    loop->waker.read_fd = loop->waker.write_fd = -1;
+    loop->poller = poller_new();
+    console_init(&loop->console, server);
+    if (loop->poller == NULL || waker_open(&loop->waker) != 0) {
+        return ERR_IO;
+    }
+    server->poller = loop->poller;
+    if (poller_add(loop->poller, loop->waker.read_fd, READY_READ, &loop->waker) != 0) {
+        return ERR_IO;
+    }
+    return process_catch_signals(&loop->waker);
+}
+
+void loop_fini(struct loop *loop)
+{
+    if (loop->tcp >= 0) {
+        net_close(loop->tcp);
+    }
+    net_close_local(&loop->local);
+    console_fini(&loop->console);
+    loop->server->poller = NULL;
+    poller_free(loop->poller);
+    waker_close(&loop->waker);
+}
+
+/* ------------------------------------------------------------------- listening */
+
+static void watch_listeners(struct loop *loop)
+{
+    loop->accepting = poller_add(loop->poller, loop->tcp, READY_READ, &loop->tcp) == 0;
+    if (loop->local.fd >= 0 &&
+        poller_add(loop->poller, loop->local.fd, READY_READ, &loop->local) != 0) {
+        net_close_local(&loop->local); /* modules then use TCP */
+    }
+}
+
+static void listen_locally(struct loop *loop)
+{
+    char path[NET_PATH_SIZE];
+    (void)snprintf(path, sizeof path, "%s/%d", NET_SOCKET_DIRECTORY,
+                   loop->server->options->port);
+    const int error = net_listen_local(path, LOCAL_MODE, &loop->local);
+    if (error != 0 && !loop->server->options->silent) {
+        (void)fprintf(stderr, "Warning: no socket %s (%s), modules use TCP\n", path,
+                      error == ERR_IO ? strerror(errno) : error_text(error));
+    }
+}
+
+int loop_listen(struct loop *loop)
+{
+    const int error = net_listen_tcp(NULL, &loop->server->options->port, &loop->tcp);
+    if (error != 0) {
+        loop->tcp = -1;
+        return ERR_IO;
+    }
+    listen_locally(loop);
+    watch_listeners(loop);
+    return loop->accepting ? 0 : ERR_IO;
+}
+
+/* Leaves newcomers in the kernel's queue for a while. */
+static void pause_accepting(struct loop *loop)
+{
+    poller_remove(loop->poller, loop->tcp);
+    if (loop->local.fd >= 0) {
+        poller_remove(loop->poller, loop->local.fd);
+    }
+    loop->accepting = false;
+    if (loop->accept_again_ns == 0) {
+        log_always(&loop->server->log, "WARNING: no descriptors left, new modules have to wait\n");
+    }
+    loop->accept_again_ns = loop->server->now_ns + ACCEPT_PAUSE_NS;
+}
+
+static void resume_accepting(struct loop *loop)
+{
+    if (!loop->accepting && loop->server->now_ns >= loop->accept_again_ns) {
+        watch_listeners(loop);
+    }
+}
+
+static void take_connection(struct loop *loop, int fd)
+{
+    struct module *module = server_add_connection(loop->server, fd);
+    if (poller_add(loop->poller, fd, READY_READ, module) != 0) {
+        ending_for_violation(loop->server, module, "its socket cannot be watched");
+    }
+}
+
+static void accept_all(struct loop *loop, int listener)
+{
+    for (int i = 0; i < ACCEPTED_A_TURN && loop->accepting; i++) {
+        int fd;
+        const int result = net_accept(listener, &fd);
+        if (result == 0) {
+            take_connection(loop, fd);
+            loop->accept_again_ns = 0;
+        } else if (result == ERR_LIMIT) {
+            pause_accepting(loop);
+        } else {
+            return;
+        }
+    }
+}
+
+/* -------------------------------------------------------------------- commands */
+
+static void stop_reading_input(struct loop *loop)
+{
+    if (loop->reads_input && !loop->input_is_unwatched) {
+        poller_remove(loop->poller, STREAM_INPUT);
+    }
+    loop->reads_input = false;
+    loop->input_is_unwatched = false;
+}
+
+static void start_reading_input(struct loop *loop)
+{
+    loop->reads_input = loop->server->options->read_commands;
+    if (loop->reads_input) {
+        loop->input_is_unwatched =
+            poller_add(loop->poller, STREAM_INPUT, READY_READ, &loop->console) != 0;
+    }
+}
+
+static void read_commands(struct loop *loop)
+{
+    char bytes[4096];
+    const ptrdiff_t n = stream_read(STREAM_INPUT, bytes, sizeof bytes);
+    if (n > 0) {
+        console_feed(&loop->console, bytes, (size_t)n);
+    }
+    if (n < 0 || !loop->server->options->read_commands) {
+        stop_reading_input(loop);
+    }
+}
+
+static void take_signals(struct loop *loop)
+{
+    int number;
+    waker_clear(&loop->waker);
+    while ((number = process_take_signal()) != 0) {
+        if (process_signal_ends(number)) {
+            loop->signal = number;
+            return;
+        }
+        if (log_reopen_file(&loop->server->log) != 0) {
+            (void)fprintf(stderr, "ERROR: Can not open file %s.\n", loop->server->log.file_name);
+        }
+    }
+}
+
+/* --------------------------------------------------------------------- output */
+
+static void watch_writing(struct loop *loop, struct module *module, bool wanted)
+{
+    if (module->polls_write != wanted) {
+        module->polls_write = wanted;
+        /* A failure means that the socket is gone, which reading will find. */
+        (void)poller_change(loop->poller, module->link.fd,
+                            wanted ? READY_READ | READY_WRITE : READY_READ, module);
+    }
+}
+
+static void flush_module(struct loop *loop, struct module *module)
+{
+    if (module->state == MODULE_ENDED || module->deaf) {
+        return;
+    }
+    const int result = link_flush(&module->link);
+    if (result < 0) {
+        module->deaf = true; /* what it has sent before it went is still heard */
+    }
+    watch_writing(loop, module, result == 1);
+    conversation_flushed(loop->server, module);
+}
+
+static void flush_list(struct loop *loop, struct list *modules)
+{
+    while (!list_is_empty(modules)) {
+        struct module *module = LIST_OWNER(modules->next, struct module, in_flush);
+        list_remove(&module->in_flush);
+        module->urgent = false;
+        flush_module(loop, module);
+    }
+}
+
+static void flush_all(struct loop *loop)
+{
+    struct server *server = loop->server;
+    do {
+        flush_list(loop, &server->urgent);
+        flush_list(loop, &server->flush);
+    } while (watch_settle(server));
+}
+
+/* Lets the logs write, and has the poller tell when a full terminal takes more. */
+static void flush_logs(struct loop *loop)
+{
+    struct log *log = &loop->server->log;
+    log_flush(log);
+    const bool waits = sink_waiting(&log->terminal) > 0;
+    if (waits && !loop->watches_output) {
+        loop->watches_output =
+            poller_add(loop->poller, STREAM_OUTPUT, READY_WRITE, &loop->watches_output) == 0;
+    } else if (!waits && loop->watches_output) {
+        poller_remove(loop->poller, STREAM_OUTPUT);
+        loop->watches_output = false;
+    }
+}
+
+/* ----------------------------------------------------------------------- turns */
+
+static void handle_event(struct loop *loop, const struct poller_event *event)
+{
+    if (event->owner == &loop->tcp) {
+        accept_all(loop, loop->tcp);
+    } else if (event->owner == &loop->local) {
+        accept_all(loop, loop->local.fd);
+    } else if (event->owner == &loop->waker) {
+        take_signals(loop);
+    } else if (event->owner == &loop->console) {
+        read_commands(loop);
+    } else if (event->owner != &loop->watches_output) { /* logs are flushed in every turn */
+        struct module *module = event->owner;
+        if (event->found & READY_WRITE) {
+            flush_module(loop, module);
+        }
+        if (event->found & (READY_READ | READY_ERROR)) {
+            conversation_read(loop->server, module);
+        }
+    }
+}
+
+static uint64_t earlier(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Milliseconds to wait, -1: until something happens. */
+static int64_t time_to_wait(const struct loop *loop, uint64_t patience_ends_ns)
+{
+    const struct server *server = loop->server;
+    uint64_t until = patience_ends_ns;
+    if (conversation_is_pending(server) || loop->input_is_unwatched) {
+        return 0;
+    }
+    if (!loop->accepting) {
+        until = earlier(until, loop->accept_again_ns);
+    }
+    if (sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) {
+        until = earlier(until, server->now_ns + 100 * MS_NS);
+    }
+    if (until == UINT64_MAX) {
+        return -1;
+    }
+    return until <= server->now_ns ? 0 : (int64_t)((until - server->now_ns) / MS_NS + 1);
+}
+
+/* Waits, and notes what is there. */
+static void wait_for_events(struct loop *loop, int64_t timeout_ms)
+{
+    struct server *server = loop->server;
+    struct poller_event events[N_EVENTS];
+    const int n = poller_wait(loop->poller, events, N_EVENTS, timeout_ms);
+    server_set_time(server, server->clock());
+    for (int i = 0; i < n; i++) {
+        handle_event(loop, &events[i]);
+    }
+    if (loop->input_is_unwatched) {
+        read_commands(loop);
+    }
+}
+
+static void turn(struct loop *loop)
+{
+    struct server *server = loop->server;
+    const uint64_t patience_ends_ns = conversation_check_patience(server);
+    wait_for_events(loop, time_to_wait(loop, patience_ends_ns));
+    conversation_turn(server);
+    flush_all(loop);
+    flush_logs(loop);
+    if (server->log.summary_on) {
+        server->statistics.working_ns += server->clock() - server->now_ns;
+    }
+    if (!list_is_empty(&server->ended)) {
+        ending_sweep(server);
+        loop->accept_again_ns = loop->accepting ? loop->accept_again_ns : server->now_ns;
+    }
+    resume_accepting(loop);
+}
+
+/* Gives modules that read a last chance to get what is on its way to them. */
+static void say_last_words(struct loop *loop)
+{
+    struct server *server = loop->server;
+    const uint64_t end = server->clock() + LAST_WORDS_NS;
+    for (;;) {
+        uint64_t unsent = 0;
+        struct list *at, *following;
+        LIST_EACH(at, following, &server->modules) {
+            struct module *module = LIST_OWNER(at, struct module, in_server);
+            flush_module(loop, module);
+            unsent += module->deaf ? 0 : link_waiting(&module->link);
+        }
+        const uint64_t now = server->clock();
+        if (unsent == 0 || now >= end) {
+            return;
+        }
+        (void)ready_wait(NULL, 0, LAST_WORDS_PAUSE_MS);
+    }
+}
+
+void loop_run(struct loop *loop)
+{
+    start_reading_input(loop);
+    console_prompt(&loop->console);
+    flush_logs(loop);
+    while (loop->signal == 0 && !loop->console.wants_to_quit) {
+        turn(loop);
+    }
+    say_last_words(loop);
+}

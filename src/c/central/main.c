@@ -1,0 +1,155 @@
+/*
+ * The server program: central.
+ *
+ * What calls what, from here down:
+ *
+ *     main                options, start, end, exit status
+ *       loop              sockets, streams, signals; one turn after another
+ *         console         typed commands                        options, statistics
+ *         conversation    bytes to frames, a turn of each connection
+ *           route         who gets a message                    tap
+ *           completion    what modules report about deliveries
+ *           service       requests to the server, by a table
+ *             service_*, variable_service   carry them out
+ *               ending, start, notify, handler_list, broadcasts, variable
+ *         flow            what goes now and what waits          claim, pending
+ *         watch           new values to those who watch
+ *         deliver, answer frames on their way out
+ *           outbox        links, and which of them to flush
+ *     log                 every line that is written            log_variables, sink
+ *     message, handler, module, resource, dispatch              what there is
+ *
+ * struct server holds all state; only loop and main touch the system.
+ */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "central/loop.h"
+#include "central/statistics.h"
+#include "central/version.h"
+#include "platform/process.h"
+
+enum exit_status { EXIT_WELL = 0, EXIT_FAILED = 1, EXIT_WRONG_USE = 2 };
+
+static void print(FILE *stream, const struct buffer *text)
+{
+    (void)fwrite(text->bytes, 1, text->length, stream);
+    (void)fflush(stream);
+}
+
+/* Executes the command line and says what it has to say. */
+static enum options_result parse(struct options *options, int count, char **arguments)
+{
+    struct buffer out, errors;
+    const struct options_output output = {&out, &errors};
+    buffer_init(&out);
+    buffer_init(&errors);
+    const enum options_result result = options_parse(options, count, arguments, &output);
+    if (!options->silent || result != OPTIONS_GO) {
+        print(stdout, &out);
+        print(stderr, &errors);
+    }
+    buffer_fini(&out);
+    buffer_fini(&errors);
+    return result;
+}
+
+/* The server cannot start: says so on standard error and in the logs that there are. */
+static void complain(struct server *server, const char *text)
+{
+    (void)fputs(text, stderr);
+    log_always(&server->log, "%s", text);
+    log_flush(&server->log);
+}
+
+static int open_log(struct server *server)
+{
+    if (!log_wants_file(&server->log) || log_open_file(&server->log) == 0) {
+        return 0;
+    }
+    (void)fprintf(stderr, "ERROR: Can not open file %s.\n\n", server->log.file_name);
+    return ERR_IO;
+}
+
+static int start(struct server *server, struct loop *loop)
+{
+    if (loop_init(loop, server) != 0) {
+        (void)fprintf(stderr, "ERROR: %s\n", strerror(errno));
+        return ERR_IO;
+    }
+    if (open_log(server) != 0) {
+        return ERR_IO;
+    }
+    if (loop_listen(loop) != 0) {
+        const char *reason = strerror(errno);
+        (void)fprintf(stderr, "Error: unable to bind TCP/IP socket for listening (%s)\n", reason);
+        complain(server, "ERROR: Unable to start server, Is one already running?\n\n");
+        return ERR_IO;
+    }
+    return 0;
+}
+
+static void print_statistics(const struct server *server)
+{
+    struct buffer text;
+    if (server->options->silent) {
+        return;
+    }
+    buffer_init(&text);
+    statistics_append(server, &text);
+    print(stderr, &text);
+    buffer_fini(&text);
+}
+
+/* Serves until the end, which is said. */
+static void serve(struct server *server, struct loop *loop)
+{
+    log_terminal(&server->log, SERVER_BANNER "\n");
+    log_always(&server->log, "Expecting %d on port %d\n", server->options->expected,
+               server->options->port);
+    loop_run(loop);
+    print_statistics(server);
+    if (loop->signal != 0) {
+        log_always(&server->log, "Central Abort : Signal %d\n", loop->signal);
+    } else if (!server->options->silent) {
+        (void)fputs("Central Quit\n", stderr);
+    }
+}
+
+static int run(struct options *options)
+{
+    struct server server;
+    struct loop loop;
+    (void)net_raise_descriptor_limit(); /* what it is, shows when it is reached */
+    server_init(&server, options, STREAM_OUTPUT, clock_ns());
+    const int error = start(&server, &loop);
+    if (error == 0) {
+        serve(&server, &loop);
+    }
+    loop_fini(&loop);
+    server_fini(&server);
+    return error == 0 ? EXIT_WELL : EXIT_FAILED;
+}
+
+int main(int count, char **arguments)
+{
+    struct options options;
+    int status;
+    process_complete_streams();
+    options_init(&options);
+    switch (parse(&options, count, arguments)) {
+    case OPTIONS_SHOWN:
+        status = EXIT_WELL;
+        break;
+    case OPTIONS_WRONG:
+        status = EXIT_WRONG_USE;
+        break;
+    default:
+        status = run(&options);
+        break;
+    }
+    options_fini(&options);
+    return status;
+}

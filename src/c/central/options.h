@@ -1,0 +1,80 @@
+/*
+ * The server's options, from the command line or typed as commands.
+ *
+ * One table describes every option: its letter, what it does, and its lines in
+ * the listing of -h.  An option is one argument; its second character selects
+ * the option and the rest is the value.
+ */
+#ifndef IPC_CENTRAL_OPTIONS_H
+#define IPC_CENTRAL_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/buffer.h"
+#include "base/list.h"
+#include "central/limits.h"
+
+/* What one of the two logs shows. */
+struct log_switches {
+    bool messages;
+    bool status;
+    bool time;
+    bool data;
+    bool ignore;     /* leave out the messages of the ignore set */
+    bool summary;
+    bool references;
+    bool parents;
+    bool flush;      /* after every line */
+    bool comments;   /* ask for comments when the file is opened and closed */
+};
+
+/* A name given with -i or read from a file of -I. */
+struct ignored_name {
+    struct list in_options;
+    char name[];
+};
+
+struct options {
+    int port; /* 0: any free one */
+    int expected; /* modules that have to ask before the first one is let go */
+    bool direct;
+    bool silent;
+    bool read_commands;
+    bool resend;
+    struct log_switches terminal;
+    struct log_switches file;
+    char *file_name; /* owned; NULL: generated */
+    struct list ignored; /* of struct ignored_name, in the order given */
+    struct central_limits limits;
+};
+
+void options_init(struct options *options);
+void options_fini(struct options *options);
+
+enum options_result {
+    OPTIONS_GO,     /* carry on */
+    OPTIONS_SHOWN,  /* only something was shown: end well */
+    OPTIONS_WRONG   /* the command line is wrong */
+};
+
+/* Where options write what they have to say: standard output, standard error. */
+struct options_output {
+    struct buffer *out;
+    struct buffer *errors;
+};
+
+/* Executes a command line. */
+enum options_result options_parse(struct options *options, int count, char *const *arguments,
+                                  const struct options_output *output);
+
+/* Executes one option typed while the server runs: 0, or ERR_UNKNOWN (said on errors). */
+int options_type(struct options *options, const char *argument,
+                 const struct options_output *output);
+
+/* Appends the version texts of -v, and the lines of -h below its first one (typed: without those
+ * that make no sense any more). */
+void options_show_version(struct buffer *out);
+void options_show_help(struct buffer *out, bool typed);
+
+#endif

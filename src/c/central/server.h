@@ -1,0 +1,96 @@
+/*
+ * The server's state: registries, connections and what is under way.
+ *
+ * Everything hangs on this struct, so that several servers live in one process
+ * and whole conversations are tests without sockets.  Time is told to it.
+ */
+#ifndef IPC_CENTRAL_SERVER_H
+#define IPC_CENTRAL_SERVER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "central/dispatch.h"
+#include "central/log.h"
+#include "central/message.h"
+#include "central/module.h"
+#include "central/namesakes.h"
+#include "central/options.h"
+#include "format/names.h"
+#include "wire/catalogue.h"
+
+struct statistics {
+    uint64_t n_read;      /* frames handled */
+    uint64_t bytes_read;  /* their class data and data */
+    uint64_t n_dropped;   /* deliveries given up because a queue was full */
+    uint64_t n_modules;   /* connections now */
+    uint64_t peak_modules;
+    uint32_t shortest_body;
+    uint32_t longest_body;
+    uint64_t working_ns;  /* time not spent waiting */
+    uint64_t handling_ns; /* ... spent on frames; both are taken only for the summary */
+};
+
+struct server {
+    struct options *options;
+    struct log log;
+    uint64_t now_ns; /* monotonic, of this turn */
+    uint64_t (*clock)(void);
+    struct poller *poller; /* watches the sockets; NULL when there are none */
+
+    struct catalogue catalogue;
+    struct format_names *names;
+    struct message_registry messages;
+    struct message *library[LM_COUNT]; /* the library messages under their names of today */
+    struct table variables;            /* name -> struct variable */
+    size_t n_named_formats;
+    struct dispatch_pool dispatches;
+    struct pending_pool places;
+
+    /* Variables of the server's own, and the messages in the list of active broadcasts. */
+    struct variable *terminal_log;
+    struct variable *file_log;
+    struct variable *tapped;
+    struct variable *broadcasts;
+    struct list active_broadcasts;
+    size_t n_active_broadcasts;
+
+    struct list modules;  /* all connections, in order of arrival */
+    struct list greeted;  /* those without introduction, oldest first */
+    size_t n_greeted;
+    struct list waiting;  /* those whose wish to start is not answered, oldest first */
+    size_t n_waiting;
+    bool started;         /* as many as expected have asked to start */
+    struct namesakes module_names;
+    struct namesakes resource_names;
+
+    /* Work of this turn. */
+    struct list input;    /* modules with bytes to handle */
+    struct list urgent;   /* modules to flush first */
+    struct list flush;    /* the other modules to flush */
+    struct list due;      /* modules that are due values of watched variables */
+    struct list ended;    /* modules to let go at the end of the turn */
+
+    struct statistics statistics;
+};
+
+/* A server without connections; terminal_fd is where its terminal log goes (-1: nowhere). */
+void server_init(struct server *server, struct options *options, int terminal_fd,
+                 uint64_t now_ns);
+
+/* Ends all connections without a word. */
+void server_fini(struct server *server);
+
+/* Takes a connected socket over (-1: memory) and greets it. */
+struct module *server_add_connection(struct server *server, int fd);
+
+/* Makes the names in the options' ignore set effective. */
+void server_ignore_names(struct server *server);
+
+/* Tells the time. */
+static inline void server_set_time(struct server *server, uint64_t now_ns)
+{
+    server->now_ns = now_ns;
+}
+
+#endif
