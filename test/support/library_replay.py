@@ -4,7 +4,8 @@ The module carries out commands of its own; this central answers its requests wi
 recorded deliveries and responses, and compares what the module sends with what the original library sent.
 
 Handler ids and references are the library's own and are mapped; addresses inside handler names are ignored.  A
-library may leave look-ups and class formats out, take its handshake in another order, and name another host.
+library may leave look-ups and class formats out, the limit for the list of subscribed messages, which has no effect,
+and the repetition of a subscription that holds; it may take its handshake in another order, and name another host.
 """
 import re
 
@@ -38,6 +39,7 @@ class RecordedCentral(FakeCentral):
         self.recorded_queries = {}
         self.sent_queries = {}
         self._recorded_handlers = {}
+        self._subscribed = set()
         self.taken = set()
         self._read()
         super().__init__(first_id=100_000)
@@ -129,17 +131,24 @@ class RecordedCentral(FakeCentral):
             assert abs(received.frame.intent) == abs(frame.intent)
             self.sent_queries[frame.reference] = received
             return
-        value = _plain(codec.decode(message.request, frame.data, frame.order))
+        exact = codec.decode(message.request, frame.data, frame.order)
+        value = _plain(exact)
+        if name == "x_ipc_limitPendingMsg" and value[0] == messages.BROADCASTS:
+            return
         if name == "x_ipc_newModuleConnectMsg":
             received = self._take(connection, lambda r: r.name == name, name)
             assert received.value[0] == value[0]
         elif name == "x_ipc_registerHandlerMsg":
+            if exact[1:] in self._subscribed:
+                return
+            self._subscribed.add(exact[1:])
             received = self._take(
                 connection, lambda r: r.name == name and _plain(r.value)[1:] == value[1:],
                 f"subscription {value}")
             if value[0]:
                 self._recorded_handlers[value[0]] = received.value[0]
         else:
+            self._subscribed.discard(exact[1:] if isinstance(exact, tuple) else None)
             self._take(connection, lambda r: r.name == name and _plain(r.value) == value,
                        f"{name} {value}")
 

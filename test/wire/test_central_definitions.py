@@ -1,4 +1,6 @@
 """Central's side of definitions and subscriptions (requirements 17-22)."""
+import socket
+
 import pytest
 
 from support import codec, messages
@@ -325,3 +327,21 @@ def test_a_variable_can_be_registered_set_read_and_watched(join):
     assert codec.decode("int", frame.data) == 42
     frame = owner.await_reply(owner.start_request("V_get_SPEED"))
     assert codec.decode("int", frame.data) == 5
+
+
+@pytest.mark.new_central("it makes no such promise")
+def test_the_news_of_a_subscription_has_gone_out_when_the_subscription_is_complete(join):
+    """Design 9: whoever has no delivery unfinished has the update in its socket before the subscriber's next
+    question is answered, so that a publisher can rely on what its socket holds."""
+    watcher, receiver = join("W"), join("R")
+    watcher.subscribe(messages.WATCH_BROADCASTS, 199, messages.WATCH_BROADCASTS)
+    watcher.sync()
+    for number in range(200):
+        receiver.subscribe(f"M{number}", 1 + number)
+        receiver.sync()
+        watcher.socket.setblocking(False)
+        assert watcher.socket.recv(1, socket.MSG_PEEK), "the update is not there"
+        update = watcher.next_delivery()
+        assert f"M{number}" in messages.names_of(update.value(messages.NAME_LIST))
+        watcher.acknowledge(update)
+        watcher.sync()

@@ -491,13 +491,6 @@ def _answer(name, data):
     return prepare
 
 
-def _prelude_with(number):
-    def prepare(central):
-        central.greet = lambda connection: connection.send_bytes(
-            struct.pack(">i", number) + central.prelude()[4:])
-    return prepare
-
-
 BAD_HANDSHAKES = {
     "closes at once": _close_at_once,
     "closes after the prelude": _close_after_prelude,
@@ -518,7 +511,6 @@ HARMLESS_HANDSHAKES = {
     "odd log variable": _answer("V_get_CENTRAL_TERMINAL_LOG_VAR", b"\1\2\3"),
     "no list of broadcasts": _answer("V_get_" + messages.BROADCASTS, b""),
     "cut list of broadcasts": _answer("V_get_" + messages.BROADCASTS, b"\5\0\0\0\5\0\0\0"),
-    "id 0 in the prelude": _prelude_with(0),
 }
 
 
