@@ -74,20 +74,11 @@ def test_check_test(both, start_program, original_tests):
     """checkTest: which formats are equal."""
     outputs = {}
     for who, (library, _) in both.items():
-        # The program declares formatsEqual() itself, which only the original exports.
-        if who == "ours" and not exports(library, "formatsEqual"):
-            pytest.skip("formatsEqual is not exported")
         program = start_program(os.path.join(original_tests, "checkTest.c"), library, None)
         assert program.wait() == 0
         outputs[who] = program.stderr
     assert outputs["ours"] == outputs["theirs"]
     assert len([line for line in outputs["ours"] if "SAME" in line]) == 20
-
-
-def exports(library, name):
-    """Whether a library defines a symbol."""
-    with open(library.path, "rb") as file:
-        return name.encode() + b"\0" in file.read()
 
 
 @pytest.mark.parametrize("fmt", ["int", "{int, double, string}", "[double:100]", "{char, double}",
@@ -133,9 +124,11 @@ def test_module1_and_module2(both, start_program, original_tests):
     printed = {}
     for who, (library, central) in both.items():
         module1, module2 = converse(start_program, original_tests, library, library, central)
-        # Messages and notices come through one queue, but the keyboard does not.
+        # Messages and notices come through one queue, but the keyboard does not.  How many handlers there are
+        # while a module connects depends on how fast it is.
+        notices = [line for line in masked(module1.stderr) if "Number of handlers" not in line]
         printed[who] = (sorted(masked(module1.stdout)), masked(module2.stdout),
-                        sorted(masked(module1.stderr)), masked(module2.stderr))
+                        sorted(notices), masked(module2.stderr))
     assert printed["ours"] == printed["theirs"]
 
 

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import threading
 import tty
+import zlib
 
 from support.waiting import Deadline, PATIENCE, SLOW, TimedOut
 
@@ -186,7 +187,8 @@ class Compiler:
         """Path of the program made from the sources and linked with the library."""
         sources = [sources] if isinstance(sources, (str, os.PathLike)) else list(sources)
         name = name or os.path.splitext(os.path.basename(sources[0]))[0]
-        target = os.path.join(self.directory, f"{name}-{library.kind}")
+        place = zlib.crc32(os.path.abspath(sources[0]).encode())
+        target = os.path.join(self.directory, f"{name}-{library.kind}-{place:x}")
         if os.path.exists(target):
             return target
         command = [self.command, "-g", "-o", target, *map(str, sources), *flags,
