@@ -223,9 +223,12 @@ static void flush_all(struct loop *loop)
 {
     struct server *server = loop->server;
     do {
-        flush_list(loop, &server->urgent);
+        do {
+            flush_list(loop, &server->urgent);
+        } while (watch_settle(server)); /* newer values go before anybody hears anything else */
         flush_list(loop, &server->flush);
-    } while (watch_settle(server));
+    } while (!list_is_empty(&server->urgent) || !list_is_empty(&server->flush) ||
+             watch_settle(server));
 }
 
 /* Lets the logs write, and has the poller tell when a full terminal takes more. */

@@ -50,12 +50,16 @@ int address_parse(const char *text, struct address *address)
     return 0;
 }
 
-int address_connect(const struct address *address, int timeout_ms, int *fd)
+int address_connect(const struct address *address, int timeout_ms, int *fd, bool *local)
 {
+    bool ignored;
+    bool *const by_local = local != NULL ? local : &ignored;
+    *by_local = false;
     if (address->local) {
         char path[NET_PATH_SIZE];
         snprintf(path, sizeof path, "%s/%d", NET_SOCKET_DIRECTORY, address->port);
         if (net_connect_local(path, fd) == 0) {
+            *by_local = true;
             return 0;
         }
     }

@@ -285,12 +285,14 @@ static enum try_result try_once(const char *module, const char *server, bool wil
                                 struct address *address)
 {
     int fd;
-    if (address_connect(address, CONNECT_TIMEOUT_MS, &fd) != 0) {
+    bool local;
+    if (address_connect(address, CONNECT_TIMEOUT_MS, &fd, &local) != 0) {
         return TRY_NOBODY;
     }
     struct library *library = library_enter();
     struct _X_IPC_CONTEXT *context =
         context_new(library, fd, module, server, address->port, will_listen);
+    context->local = local;
     const enum try_result result = shake_hands(context);
     if (result == TRY_OK) {
         make_current(library, context);

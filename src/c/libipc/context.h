@@ -46,6 +46,7 @@ struct _X_IPC_CONTEXT {
     char *module_name;
     int port;
     bool will_listen;
+    bool local;            /* by Unix socket: what central has written is there at once */
     bool new_central;      /* central of this project: its promises may be relied on */
 
     struct link link;

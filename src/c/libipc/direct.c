@@ -227,7 +227,7 @@ static struct peer *open_outgoing(struct _X_IPC_CONTEXT *context, const char *ho
     }
     address.port = port;
     library_leave(context->library);
-    const int error = address_connect(&address, CONNECT_TIMEOUT_MS, &fd);
+    const int error = address_connect(&address, CONNECT_TIMEOUT_MS, &fd, NULL);
     mutex_lock(context->library->lock);
     if (error != 0) {
         return NULL;

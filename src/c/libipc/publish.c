@@ -75,11 +75,12 @@ void publish_frame_to(struct peer *peer, struct frame *frame, const struct messa
  * keeps every listening module informed, and a subscription is only complete when the
  * news is in this module's socket.  So what the socket holds is taken in first, and the
  * message is sent in any case if the news might be stuck behind something else.
- * Only centrals of this project make that promise.
+ * Only centrals of this project make that promise, and only a Unix socket keeps it:
+ * over TCP the news may still be on its way when the subscriber has its answer.
  */
 static bool nobody_subscribes(struct _X_IPC_CONTEXT *context, const struct message *message)
 {
-    if (!context->will_listen || !context->new_central || !context->broadcasts_known ||
+    if (!context->will_listen || !context->local || !context->new_central || !context->broadcasts_known ||
         message->n_subscriptions > 0 || context->unfinished > 0 ||
         table_find(&context->broadcasts, message->name) != NULL) {
         return false;

@@ -89,7 +89,10 @@ IPC_ERROR_TYPE subscription_add(struct _X_IPC_CONTEXT *context, const char *mess
     handler->unmarshall = unmarshall;
     handler->message = registry_get(context, message);
     handler->message->n_subscriptions++;
-    const IPC_ERROR_TYPE error = tell(context, LM_SUBSCRIBE, handler, (int)handler->id, message);
+    /* Central keeps the number of the first registration; CMU IPC sends 0 with the others. */
+    const int id = handler->registered ? 0 : (int)handler->id;
+    handler->registered = true;
+    const IPC_ERROR_TYPE error = tell(context, LM_SUBSCRIBE, handler, id, message);
     return error != IPC_No_Error ? error : await_central(context, message);
 }
 

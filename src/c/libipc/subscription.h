@@ -21,6 +21,7 @@ typedef bool (*subscription_internal)(struct _X_IPC_CONTEXT *context, struct han
 struct handler {
     char *name; /* HND-<message><address>, or a name that a binding chose; owned */
     uint32_t id;
+    bool registered; /* central has had its number */
     bool subscribed;
     bool unmarshall; /* hand over data instead of bytes */
     HANDLER_TYPE function;
