@@ -195,35 +195,57 @@ static void show_commands(struct console *console, const char *argument)
 
 /* -------------------------------------------------------------------- options */
 
-/* Makes changed switches effective, and tells those who watch them. */
-static void apply_switches(struct server *server)
+static bool differ(const struct log_switches *a, const struct log_switches *b)
 {
-    log_switched(&server->log);
-    log_variables_set_terminal(server);
-    log_variables_set_file(server);
+    return memcmp(a, b, sizeof *a) != 0; /* bools only; a difference in padding does no harm */
+}
+
+/* Tells those who watch them that switches were changed. */
+static void tell_switches(struct server *server, const struct options *before)
+{
+    const struct options *options = server->options;
+    if (differ(&options->terminal, &before->terminal) || options->silent != before->silent) {
+        log_variables_set_terminal(server);
+    }
+    if (differ(&options->file, &before->file)) {
+        log_variables_set_file(server);
+    }
+}
+
+static void open_wanted_file(struct server *server)
+{
     if (!server->log.file_is_open && log_wants_file(&server->log) &&
         log_open_file(&server->log) != 0) {
         (void)fprintf(stderr, "ERROR: Can not open file %s.\n", server->log.file_name);
     }
 }
 
-static void execute_options(struct console *console, char *line)
+/* Executes the options among the words of a line, and says what they have to say. */
+static void type_options(struct console *console, char *line)
 {
-    struct server *server = console->server;
     struct buffer out, errors;
     const struct options_output output = {&out, &errors};
     buffer_init(&out);
     buffer_init(&errors);
     for (char *word = strtok(line, " \t"); word != NULL; word = strtok(NULL, " \t")) {
         if (word[0] == '-') {
-            (void)options_type(server->options, word, &output); /* what is unknown is said */
+            (void)options_type(console->server->options, word, &output); /* the unknown is said */
         }
     }
-    (void)fwrite(errors.bytes, 1, errors.length, stderr);
+    text_print(stderr, &errors);
     show(console, &out);
     buffer_fini(&errors);
+}
+
+static void execute_options(struct console *console, char *line)
+{
+    struct server *server = console->server;
+    const struct options before = *server->options;
+    type_options(console, line);
     server_ignore_names(server);
-    apply_switches(server);
+    log_switched(&server->log);
+    tell_switches(server, &before);
+    open_wanted_file(server);
     log_terminal(&server->log, SERVER_BANNER "\n");
 }
 

@@ -479,12 +479,12 @@ void log_released(struct log *log, struct dispatch *dispatch)
     add_data(log, dispatch);
 }
 
-/* How a dispatch ended, its message and reference. */
+/* How a dispatch ended (with the blanks up to the message's column), its message and reference. */
 static void begin_end(struct log *log, enum which_log which, const char *how,
                       const struct dispatch *dispatch)
 {
     buffer_clear(&log->line);
-    text_append(&log->line, "  %-7s %15s", how, dispatch->message->name);
+    text_append(&log->line, "%s%15s", how, dispatch->message->name);
     add_reference(log, which, dispatch);
 }
 
@@ -493,7 +493,7 @@ void log_done(struct log *log, const struct dispatch *dispatch)
     struct stamp stamp = {.taken = false};
     for (enum which_log which = LOG_TERMINAL; log->messages_on && which < N_LOGS; which++) {
         if (shows(log, which, dispatch->message)) {
-            begin_end(log, which, "Done", dispatch);
+            begin_end(log, which, "  Done    ", dispatch);
             text_append(&log->line, ":");
             end_line(log, which, &stamp);
         }
@@ -505,7 +505,7 @@ void log_failed(struct log *log, const struct dispatch *dispatch, const char *re
     struct stamp stamp = {.taken = false};
     for (enum which_log which = LOG_TERMINAL; log->messages_on && which < N_LOGS; which++) {
         if (shows(log, which, dispatch->message)) {
-            begin_end(log, which, "Failure", dispatch);
+            begin_end(log, which, "  Failure ", dispatch);
             text_append(&log->line, ": %.*s", length, reason);
             end_line(log, which, &stamp);
         }
@@ -520,7 +520,7 @@ void log_replied(struct log *log, const struct dispatch *dispatch, const struct 
     }
     for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
         if (shows(log, which, dispatch->message)) {
-            begin_end(log, which, "Reply", dispatch);
+            begin_end(log, which, "  Reply  ", dispatch);
             text_append(&log->line, ": %10s --> %-15s", reply->replier,
                         dispatch_sender_name(dispatch));
             add_parent(log, which, dispatch);

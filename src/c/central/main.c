@@ -33,12 +33,6 @@
 
 enum exit_status { EXIT_WELL = 0, EXIT_FAILED = 1, EXIT_WRONG_USE = 2 };
 
-static void print(FILE *stream, const struct buffer *text)
-{
-    (void)fwrite(text->bytes, 1, text->length, stream);
-    (void)fflush(stream);
-}
-
 /* Executes the command line and says what it has to say. */
 static enum options_result parse(struct options *options, int count, char **arguments)
 {
@@ -48,8 +42,8 @@ static enum options_result parse(struct options *options, int count, char **argu
     buffer_init(&errors);
     const enum options_result result = options_parse(options, count, arguments, &output);
     if (!options->silent || result != OPTIONS_GO) {
-        print(stdout, &out);
-        print(stderr, &errors);
+        text_print(stdout, &out);
+        text_print(stderr, &errors);
     }
     buffer_fini(&out);
     buffer_fini(&errors);
@@ -99,7 +93,7 @@ static void print_statistics(const struct server *server)
     }
     buffer_init(&text);
     statistics_append(server, &text);
-    print(stderr, &text);
+    text_print(stderr, &text);
     buffer_fini(&text);
 }
 

@@ -25,30 +25,30 @@ void sink_fini(struct sink *sink)
     buffer_fini(&sink->waiting);
 }
 
-/* Appends if there is room for it. */
-static bool append(struct sink *sink, const void *text, size_t length)
+/* The note of how many lines were lost, which precedes the next one that finds room; "" if none. */
+static size_t write_note(const struct sink *sink, char *note, size_t size)
 {
-    return sink_waiting(sink) + length <= sink->limit &&
-           buffer_append(&sink->waiting, text, length) == 0;
+    note[0] = '\0';
+    return sink->lost == 0 ? 0
+                           : (size_t)snprintf(note, size, "*** %" PRIu64 " log lines lost ***\n",
+                                              sink->lost);
 }
 
 void sink_put(struct sink *sink, const void *text, size_t length)
 {
+    char note[64];
     if (sink->failed || length == 0) {
         return;
     }
-    if (sink->lost > 0) {
-        char note[64];
-        const int n = snprintf(note, sizeof note, "*** %" PRIu64 " log lines lost ***\n", sink->lost);
-        if (!append(sink, note, (size_t)n)) {
-            sink->lost++;
-            return;
-        }
-        sink->lost = 0;
-    }
-    if (!append(sink, text, length)) {
+    const size_t note_length = write_note(sink, note, sizeof note);
+    if (sink_waiting(sink) + note_length + length > sink->limit ||
+        buffer_reserve(&sink->waiting, note_length + length) != 0) {
         sink->lost++;
+        return;
     }
+    sink->lost = 0;
+    (void)buffer_append(&sink->waiting, note, note_length); /* both have room now */
+    (void)buffer_append(&sink->waiting, text, length);
 }
 
 /* Moves the rest to the front once the written part outweighs it. */

@@ -3,8 +3,6 @@
  */
 #include "central/text.h"
 
-#include <stdio.h>
-
 enum { FIRST_GUESS = 120 };
 
 void text_append_list(struct buffer *out, const char *format, va_list arguments)
@@ -30,4 +28,12 @@ void text_append(struct buffer *out, const char *format, ...)
     va_start(arguments, format);
     text_append_list(out, format, arguments);
     va_end(arguments);
+}
+
+void text_print(FILE *stream, const struct buffer *text)
+{
+    if (text->length > 0) {
+        (void)fwrite(text->bytes, 1, text->length, stream); /* nobody can be told of a failure */
+        (void)fflush(stream);
+    }
 }

@@ -5,6 +5,7 @@
 #define IPC_CENTRAL_TEXT_H
 
 #include <stdarg.h>
+#include <stdio.h>
 
 #include "base/buffer.h"
 
@@ -18,5 +19,8 @@
 void text_append(struct buffer *out, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
 void text_append_list(struct buffer *out, const char *format, va_list arguments)
     TEXT_LIKE_PRINTF(2, 0);
+
+/* Writes a buffer to a stream, and out of it. */
+void text_print(FILE *stream, const struct buffer *text);
 
 #endif

@@ -1,0 +1,231 @@
+/*
+ * The command line.
+ */
+#include "unit.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "central/options.h"
+
+struct fixture {
+    struct options options;
+    struct buffer out;
+    struct buffer errors;
+};
+
+static void open_fixture(struct fixture *f)
+{
+    options_init(&f->options);
+    buffer_init(&f->out);
+    buffer_init(&f->errors);
+}
+
+static void close_fixture(struct fixture *f)
+{
+    options_fini(&f->options);
+    buffer_fini(&f->out);
+    buffer_fini(&f->errors);
+}
+
+/* Parses words that are separated by blanks. */
+static enum options_result parse(struct fixture *f, const char *line)
+{
+    static char words[500];
+    char *arguments[20] = {(char *)(uintptr_t)"central"};
+    int count = 1;
+    const struct options_output output = {&f->out, &f->errors};
+    open_fixture(f);
+    (void)snprintf(words, sizeof words, "%s", line);
+    for (char *word = strtok(words, " "); word != NULL; word = strtok(NULL, " ")) {
+        arguments[count++] = word;
+    }
+    return options_parse(&f->options, count, arguments, &output);
+}
+
+static void assert_text(struct buffer *buffer, const char *expected)
+{
+    assert_int_equal(buffer_append(buffer, "", 1), 0);
+    assert_string_equal((char *)buffer->bytes, expected);
+}
+
+static void the_defaults(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, ""), OPTIONS_GO);
+    assert_int_equal(f.options.port, 1381);
+    assert_int_equal(f.options.expected, 1);
+    assert_true(f.options.read_commands);
+    assert_false(f.options.direct || f.options.silent || f.options.resend);
+    assert_true(f.options.terminal.messages && f.options.terminal.status &&
+                f.options.terminal.ignore && f.options.terminal.flush);
+    assert_false(f.options.terminal.time || f.options.terminal.data);
+    assert_true(f.options.file.ignore && f.options.file.flush);
+    assert_false(f.options.file.messages || f.options.file.status);
+    close_fixture(&f);
+}
+
+static void options_are_single_arguments(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "-p21303xyz -su -c -r nothing 3x 7"), OPTIONS_GO);
+    assert_int_equal(f.options.port, 21303);
+    assert_int_equal(f.options.expected, 3);
+    assert_true(f.options.silent);
+    assert_true(f.options.read_commands); /* -su is -s */
+    assert_true(f.options.direct && f.options.resend);
+    close_fixture(&f);
+
+    assert_int_equal(parse(&f, "-p 1500 -us 0"), OPTIONS_GO);
+    assert_int_equal(f.options.port, 1381);
+    assert_int_equal(f.options.expected, 1500);
+    assert_false(f.options.silent || f.options.read_commands);
+    close_fixture(&f);
+
+    assert_int_equal(parse(&f, "0 -pabc -S"), OPTIONS_GO);
+    assert_int_equal(f.options.expected, 1);
+    assert_int_equal(f.options.port, 1381);
+    assert_true(f.options.silent);
+    close_fixture(&f);
+}
+
+static void what_is_unknown_is_said_and_ignored(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "-z -u -v - --what"), OPTIONS_GO);
+    assert_false(f.options.read_commands);
+    assert_text(&f.errors, "Ignoring unknown option '-z'\nIgnoring unknown option '-v'\n"
+                           "Ignoring unknown option '-'\nIgnoring unknown option '--what'\n");
+    close_fixture(&f);
+}
+
+static void impossible_ports_are_refused(void **state)
+{
+    static const char *const lines[] = {"-p70000", "-p-5", "-p99999999999999999999"};
+    (void)state;
+    for (size_t i = 0; i < N_ELEMENTS(lines); i++) {
+        struct fixture f;
+        char expected[100];
+        assert_int_equal(parse(&f, lines[i]), OPTIONS_WRONG);
+        (void)snprintf(expected, sizeof expected, "Illegal port %s\n", lines[i] + 2);
+        assert_text(&f.errors, expected);
+        close_fixture(&f);
+    }
+}
+
+static void log_letters(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "-l -L"), OPTIONS_GO);
+    const struct log_switches *file = &f.options.file;
+    assert_true(file->messages && file->status && file->time && file->data && file->summary);
+    assert_false(file->ignore || file->references || file->parents || file->comments);
+    close_fixture(&f);
+
+    assert_int_equal(parse(&f, "-lx -LMtIrNf"), OPTIONS_GO);
+    assert_false(f.options.terminal.messages || f.options.terminal.status ||
+                 f.options.terminal.ignore);
+    file = &f.options.file;
+    assert_true(file->messages && file->time && file->ignore && file->references);
+    assert_false(file->status || file->data || file->summary || file->parents);
+    assert_false(file->flush || file->comments);
+    close_fixture(&f);
+
+    assert_int_equal(parse(&f, "-Lpf -Lm -lmx -lz"), OPTIONS_GO);
+    file = &f.options.file;
+    assert_true(file->messages && file->flush && file->comments);
+    assert_false(file->parents);
+    assert_false(f.options.terminal.messages);
+    close_fixture(&f);
+}
+
+static void the_listing_and_the_version_are_shown_alone(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "-h -p5"), OPTIONS_SHOWN);
+    assert_int_equal(f.options.port, 1381);
+    assert_int_equal(buffer_append(&f.out, "", 1), 0);
+    const char *text = (char *)f.out.bytes;
+    assert_int_equal(strncmp(text, "central command line options:\n"
+                                   " -v: display server version info.\n"
+                                   " -l: logging onto terminal.\n",
+                             60),
+                     0);
+    assert_non_null(strstr(text, "\n -p<port>: specify the server port - the default port is: "
+                                 "1381\n -c: Use direct (not via central) conntections where "
+                                 "possible.\n"));
+    assert_non_null(strstr(text, " -r: try resending non-completed messages when modules crash\n"));
+    close_fixture(&f);
+
+    assert_int_equal(parse(&f, "-v"), OPTIONS_SHOWN);
+    assert_int_equal(strncmp((char *)f.errors.bytes, "Task Control Server 4.", 22), 0);
+    close_fixture(&f);
+
+    assert_int_equal(parse(&f, "-p5 --help"), OPTIONS_SHOWN);
+    close_fixture(&f);
+    assert_int_equal(parse(&f, "-p5 --version"), OPTIONS_SHOWN);
+    close_fixture(&f);
+}
+
+static void names_to_ignore_come_from_options_and_files(void **state)
+{
+    static const char path[] = "options_test_names";
+    struct fixture f;
+    FILE *file = fopen(path, "w");
+    (void)state;
+    assert_non_null(file);
+    assert_true(fputs("Foo\r\n\nBar with blanks\nlast", file) >= 0);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(parse(&f, "-iPing -i -Ioptions_test_names -Inowhere/at/all"), OPTIONS_GO);
+    static const char *const expected[] = {"Ping", "Foo", "Bar with blanks", "last"};
+    size_t i = 0;
+    struct list *at, *following;
+    LIST_EACH(at, following, &f.options.ignored) {
+        assert_string_equal(LIST_OWNER(at, struct ignored_name, in_options)->name, expected[i++]);
+    }
+    assert_int_equal(i, N_ELEMENTS(expected));
+    assert_text(&f.errors, "Ignore logging of Foo\nIgnore logging of Bar with blanks\n"
+                           "Ignore logging of last\n"
+                           "Could not open message ignore file nowhere/at/all\n");
+    close_fixture(&f);
+    assert_int_equal(remove(path), 0);
+}
+
+static void typed_options(void **state)
+{
+    struct fixture f;
+    (void)state;
+    open_fixture(&f);
+    const struct options_output output = {&f.out, &f.errors};
+    assert_int_equal(options_type(&f.options, "-s", &output), 0);
+    assert_true(f.options.silent);
+    assert_int_equal(options_type(&f.options, "-lm", &output), 0);
+    assert_false(f.options.silent); /* asking for a log ends silence */
+    assert_int_equal(options_type(&f.options, "-p99", &output), 0);
+    assert_int_equal(f.options.port, 1381);
+    assert_int_equal(options_type(&f.options, "-fx.log", &output), 0);
+    assert_int_equal(options_type(&f.options, "-z", &output), ERR_UNKNOWN);
+    assert_text(&f.out, "The port cannot be changed while running\nLogging File Name: x.log\n");
+    close_fixture(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_defaults),
+        cmocka_unit_test(options_are_single_arguments),
+        cmocka_unit_test(what_is_unknown_is_said_and_ignored),
+        cmocka_unit_test(impossible_ports_are_refused),
+        cmocka_unit_test(log_letters),
+        cmocka_unit_test(the_listing_and_the_version_are_shown_alone),
+        cmocka_unit_test(names_to_ignore_come_from_options_and_files),
+        cmocka_unit_test(typed_options),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
