@@ -80,7 +80,8 @@ int buffer_append(struct buffer *buffer, const void *bytes, size_t count)
 uint8_t *buffer_take(struct buffer *buffer, size_t *length)
 {
     uint8_t *bytes = buffer->bytes;
-    *length = buffer->length;
+    if (length != NULL)
+        *length = buffer->length;
     buffer_init(buffer);
     return bytes;
 }

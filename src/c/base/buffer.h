@@ -31,7 +31,8 @@ uint8_t *buffer_extend(struct buffer *buffer, size_t count);
 /* Appends count bytes: 0 or ERR_MEMORY. */
 int buffer_append(struct buffer *buffer, const void *bytes, size_t count);
 
-/* Moves the content out, a malloc block that the caller frees (NULL if nothing was ever appended). */
+/* Moves the content out, a malloc block that the caller frees (NULL if nothing was ever appended);
+ * length may be NULL. */
 uint8_t *buffer_take(struct buffer *buffer, size_t *length);
 
 #endif

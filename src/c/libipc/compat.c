@@ -120,9 +120,25 @@ int x_ipc_dataStructureSize(FORMATTER_PTR formatter)
 
 int x_ipc_bufferSize(FORMATTER_PTR formatter, const void *data)
 {
-    size_t length;
     const struct format *format = formatter_format(formatter);
-    return format != NULL && format_measure(format, data, &length) == 0 ? (int)length : 0;
+    size_t length = 0;
+    void *any = NULL;
+    if (format == NULL) {
+        return 0;
+    }
+    if (data == NULL && format_is_flat(format)) {
+        any = calloc(1, format_size(format) + 1); /* every value of a flat format is as long */
+    }
+    if (format_measure(format, data != NULL ? data : any, &length) != 0) {
+        length = 0;
+    }
+    free(any);
+    return (int)length;
+}
+
+int formatsEqual(FORMATTER_PTR first, FORMATTER_PTR second)
+{
+    return format_equal(formatter_format(first), formatter_format(second));
 }
 
 int x_ipc_sameFixedSizeDataBuffer(FORMATTER_PTR formatter)

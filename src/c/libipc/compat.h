@@ -55,8 +55,10 @@ unsigned int maxTriggers(TIMER_REF timerRef);
 
 /* As IPC_parseFormat, but an illegal string gives a formatter that every call refuses. */
 FORMATTER_PTR ParseFormatString(const char *formatString);
+/* Sizes in memory and on the wire; data may be NULL for formats without pointers. */
 int x_ipc_dataStructureSize(FORMATTER_PTR formatter);
 int x_ipc_bufferSize(FORMATTER_PTR formatter, const void *data);
+int formatsEqual(FORMATTER_PTR first, FORMATTER_PTR second);
 int x_ipc_sameFixedSizeDataBuffer(FORMATTER_PTR formatter);
 int formatContainsPointers(FORMATTER_PTR formatter);
 
