@@ -155,6 +155,7 @@ def handled_in(lines):
                                or line.startswith("There are now"))
 
 
+@pytest.mark.new_library("it loses what is published right after a subscription, now and then")
 def test_ipc_test_1(both, start_program, original_tests):
     """ipcTest1: the whole basic interface in one module.
 

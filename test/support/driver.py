@@ -54,6 +54,8 @@ class Driver(Process):
         super().__init__([program], stdin=subprocess.PIPE, env=environment)
         self.name = name
         self._read_lines = 0
+        self._unread = []
+        self._gathered = 0
 
     def __str__(self):
         return f"{self.name} ({self.pid})"
@@ -77,6 +79,7 @@ class Driver(Process):
                     line = self.stdout[self._read_lines]
                     self._read_lines += 1
                     if line.startswith("= "):
+                        self._unread += events
                         return Answer(events, line[2:])
                     if line.startswith("@ "):
                         events.append(line[2:])
@@ -108,6 +111,16 @@ class Driver(Process):
     def listen_for(self, count, seconds=None):
         """Listens until count more events have been handled; returns them."""
         return self.until(int(self.do("events").result) + count, seconds)
+
+    def gather(self, count, seconds=None):
+        """Listens until count events more than have been gathered before have been handled; returns them.
+
+        Unlike listen_for() it counts events that were handled during other commands, as originals do.
+        """
+        self._gathered += count
+        self.until(self._gathered, seconds)
+        events, self._unread = self._unread, []
+        return events
 
     def connect(self, address, *, listen=True, verbosity=1):
         """Connects under the driver's name to a central, given by its address."""

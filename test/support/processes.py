@@ -95,6 +95,10 @@ class Process:
                     raise TimedOut(f"{self} did not print {pattern!r}:\n{self._tail()}")
 
     def _tail(self):
+        """The end of the output, or the beginning of what a sanitizer says."""
+        for number, line in enumerate(self.stderr):
+            if any(trace in line for trace in SANITIZER_TRACES):
+                return "\n".join(self.stderr[number:number + 12])
         return "\n".join(self.stdout[-20:] + self.stderr[-20:])
 
     def wait(self, seconds=None):
