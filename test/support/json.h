@@ -18,9 +18,9 @@ struct json {
     bool truth;
     double real;
     int64_t integer; /* of numbers without fraction and exponent */
-    char *text;      /* of strings: one byte per character, NUL-terminated; of numbers: as written */
-    size_t length;   /* of the string, or number of parts */
-    char **keys;     /* of an object's parts */
+    char *text;    /* of strings: one byte per character, NUL-terminated; of numbers: as written */
+    size_t length; /* of the string, or number of parts */
+    char **keys;   /* of an object's parts */
     struct json **parts;
 };
 

@@ -19,6 +19,7 @@ static void put_spaces(struct page *page, unsigned count)
 {
     for (unsigned i = 0; i < count; i++)
         put(page, " ", 1);
+    page->column += count;
 }
 
 static void begin(struct page *page, struct buffer *out, bool endless, unsigned indent)
@@ -40,9 +41,9 @@ void page_begin_endless(struct page *page, struct buffer *out)
 static void break_line(struct page *page, unsigned indent)
 {
     put(page, "\n", 1);
-    put_spaces(page, indent);
     page->line++;
     page->column = 0;
+    put_spaces(page, indent);
 }
 
 /* Writes shown, which takes length columns as far as the end of the line is concerned. */
@@ -94,6 +95,5 @@ void page_comma(struct page *page)
         return;
     if (!page->endless && page->column == LINE_WIDTH)
         break_line(page, page->indent);
-    put(page, " ", 1);
-    page->column++;
+    put_spaces(page, 1);
 }

@@ -3,7 +3,7 @@
  *
  * Lines have 80 columns and there are at most five of them; a text that does not
  * fit into the rest of its line goes whole to the next one, and what comes
- * behind the fifth line is left out with "...".  Indentation takes no columns.
+ * behind the fifth line is left out with "...".  Indentation counts as columns.
  */
 #ifndef IPC_FORMAT_PAGE_H
 #define IPC_FORMAT_PAGE_H

@@ -321,7 +321,9 @@ struct dimension dimension_of(const struct type *field, uint32_t offset)
 {
     const struct type *number = type_first_part(field);
     struct dimension dimension = {.offset = offset, .size = (uint8_t)number->size};
-    if (number->kind == TYPE_PRIMITIVE)
+    if (number->kind == TYPE_VARIABLE_ARRAY)
+        dimension.size = 0;
+    else if (number->kind == TYPE_PRIMITIVE)
         dimension.is_signed = primitive_table[number->primitive].is_signed;
     else
         dimension.is_signed = number->size == 4; /* an enumeration */
@@ -344,6 +346,8 @@ int64_t dimension_read(const struct dimension *dimension, const uint8_t *element
     } number;
     memcpy(&number, at, dimension->size);
     switch (dimension->size) {
+    case 0:
+        return -1;
     case 1:
         return dimension->is_signed ? (int64_t)number.s1 : (int64_t)number.u1;
     case 2:

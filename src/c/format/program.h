@@ -61,7 +61,7 @@ struct op {
 /* A field that holds a dimension. */
 struct dimension {
     uint32_t offset; /* in the current element */
-    uint8_t size;
+    uint8_t size;    /* 0: of an array that refers to itself, always negative */
     bool is_signed;
 };
 
