@@ -78,7 +78,8 @@ void completion(struct server *server, struct module *module, const struct frame
         return; /* about no delivery in particular */
     }
     struct dispatch *dispatch = dispatch_find(&server->dispatches, frame->dispatch);
-    if (dispatch == NULL || dispatch->state != DISPATCH_ACTIVE ||
+    if (dispatch == NULL ||
+        (dispatch->state != DISPATCH_ACTIVE && dispatch->state != DISPATCH_AHEAD) ||
         dispatch->handler->module != module) {
         log_warning(&server->log, module, "it reports delivery %d, which it does not have",
                     (int)frame->dispatch);

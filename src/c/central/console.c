@@ -31,7 +31,7 @@ static void show_resource(struct log *log, const struct resource *resource)
 {
     log_always(log, " Resource %s  Attending: %zu  Pending: %zu Resource Status: %s\n",
                resource->name, resource->attending,
-               resource->pending.count + resource->holders_own.count,
+               resource->n_ahead + resource->pending.count + resource->holders_own.count,
                resource_state_name(resource));
 }
 
@@ -67,6 +67,7 @@ static const char *state_word(const struct dispatch *dispatch)
         return "Completed";
     case DISPATCH_WAITING:
     case DISPATCH_PENDING:
+    case DISPATCH_AHEAD:
         return "Pending";
     case DISPATCH_SERVED: /* a request that has to wait for its answer */
         return "Pending";

@@ -49,9 +49,39 @@ void deliver(struct server *server, struct dispatch *dispatch, bool from_queue)
     }
 }
 
+void deliver_ahead(struct server *server, struct dispatch *dispatch)
+{
+    struct resource *resource = dispatch->handler->resource;
+    dispatch->state = DISPATCH_AHEAD;
+    dispatch->resource = resource;
+    list_append(&resource->ahead, &dispatch->link);
+    resource->n_ahead++;
+    resource->ahead_bytes += dispatch->data_length;
+    queue_frame(server, dispatch);
+    const uint32_t length = dispatch->data_length;
+    dispatch_drop_data(dispatch);
+    dispatch->data_length = length; /* what leave_ahead gives back */
+}
+
+static void leave_ahead(struct dispatch *dispatch)
+{
+    list_remove(&dispatch->link);
+    dispatch->resource->n_ahead--;
+    dispatch->resource->ahead_bytes -= dispatch->data_length;
+}
+
+void deliver_promote(struct server *server, struct dispatch *dispatch)
+{
+    leave_ahead(dispatch);
+    start(dispatch);
+    log_released(&server->log, dispatch);
+}
+
 void deliver_end(struct server *server, struct dispatch *dispatch)
 {
-    if (!dispatch->uncounted) {
+    if (dispatch->state == DISPATCH_AHEAD) {
+        leave_ahead(dispatch);
+    } else if (!dispatch->uncounted) {
         dispatch->resource->attending--;
     }
     dispatch_free(&server->dispatches, dispatch);

@@ -9,7 +9,11 @@
 /* Sends a dispatch to its handler; from_queue: it waited in its resource's queue (for the log). */
 void deliver(struct server *server, struct dispatch *dispatch, bool from_queue);
 
-/* Ends an active dispatch and frees it; its resource may then have room. */
+/* Sends a dispatch before its turn, and (deliver_promote) makes it active when that has come. */
+void deliver_ahead(struct server *server, struct dispatch *dispatch);
+void deliver_promote(struct server *server, struct dispatch *dispatch);
+
+/* Ends a dispatch that has been sent and frees it; its resource may then have room. */
 void deliver_end(struct server *server, struct dispatch *dispatch);
 
 #endif

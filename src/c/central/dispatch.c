@@ -3,44 +3,29 @@
  */
 #include "central/dispatch.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "central/version.h"
 
 void dispatch_pool_init(struct dispatch_pool *pool)
 {
     idpool_init(&pool->numbers);
-    list_init(&pool->unused);
+    pool_init(&pool->records, sizeof(struct dispatch));
     pool->n_begun = 0;
     pool->n_ended = 0;
 }
 
 void dispatch_pool_fini(struct dispatch_pool *pool)
 {
-    struct list *at, *following;
-    LIST_EACH(at, following, &pool->unused) {
-        free(LIST_OWNER(at, struct dispatch, link));
-    }
+    pool_fini(&pool->records);
     idpool_fini(&pool->numbers);
-}
-
-static struct dispatch *take_record(struct dispatch_pool *pool)
-{
-    if (list_is_empty(&pool->unused)) {
-        return mem_new(sizeof(struct dispatch));
-    }
-    struct list *link = pool->unused.next;
-    list_remove(link);
-    return LIST_OWNER(link, struct dispatch, link);
 }
 
 struct dispatch *dispatch_new(struct dispatch_pool *pool, struct message *message,
                               struct module *sender, const struct frame *frame)
 {
-    struct dispatch *dispatch = take_record(pool);
+    struct dispatch *dispatch = pool_take(&pool->records);
     dispatch->id = idpool_take(&pool->numbers, dispatch);
     dispatch->state = DISPATCH_NEW;
     dispatch->uncounted = false;
@@ -67,7 +52,7 @@ void dispatch_free(struct dispatch_pool *pool, struct dispatch *dispatch)
     idpool_release(&pool->numbers, dispatch->id);
     module_unref(dispatch->sender);
     block_unref(dispatch->block);
-    list_prepend(&pool->unused, &dispatch->link);
+    pool_give(&pool->records, dispatch);
     pool->n_ended++;
 }
 
@@ -78,6 +63,13 @@ struct dispatch *dispatch_find(const struct dispatch_pool *pool, int64_t number)
 
 int dispatch_keep(struct dispatch *dispatch, struct block **shared)
 {
+    if (*shared == NULL && dispatch->data_length <= DISPATCH_SMALL) {
+        if (dispatch->data_length > 0 && dispatch->data != dispatch->small) {
+            memcpy(dispatch->small, dispatch->data, dispatch->data_length);
+        }
+        dispatch->data = dispatch->small;
+        return 0;
+    }
     if (*shared == NULL) {
         *shared = block_copy(dispatch->data, dispatch->data_length);
         if (*shared == NULL) {

@@ -19,6 +19,7 @@
 #include "central/message.h"
 #include "central/module.h"
 #include "central/pending.h"
+#include "central/pool.h"
 #include "wire/frame.h"
 
 enum dispatch_state {
@@ -27,8 +28,12 @@ enum dispatch_state {
     DISPATCH_HELD,    /* a request, answered, that locks or reserves a resource */
     DISPATCH_WAITING, /* nobody handles its message; in message.waiting */
     DISPATCH_PENDING, /* in a resource's queue */
+    DISPATCH_AHEAD,   /* sent before its turn: to everybody but the link it is still pending */
     DISPATCH_ACTIVE   /* sent, not reported finished */
 };
+
+/* Data up to this length are kept in the dispatch itself. */
+enum { DISPATCH_SMALL = 96 };
 
 struct dispatch {
     uint32_t id;
@@ -45,14 +50,15 @@ struct dispatch {
     struct list link;          /* in the list that the state says */
     struct pending_item waiting;
 
-    struct block *block; /* keeps data alive; NULL: data is only good for this moment */
     const uint8_t *data;
     uint32_t data_length;
+    struct block *block; /* keeps data alive; NULL: they are in small, or only good for this moment */
+    uint8_t small[DISPATCH_SMALL];
 };
 
 struct dispatch_pool {
     struct idpool numbers; /* -> struct dispatch */
-    struct list unused;    /* by link */
+    struct pool records;
     uint64_t n_begun;
     uint64_t n_ended;
 };

@@ -21,6 +21,8 @@
 #define LIMIT_CLAIMS 1024u             /* locks and reservations that one module holds or waits for */
 #define LIMIT_PROVIDED 4096u           /* names that one module provides or requires */
 #define LIMIT_TAPS 1024u               /* taps of one message */
+#define LIMIT_AHEAD 64u                /* deliveries sent before their turn for one resource */
+#define LIMIT_AHEAD_BYTES (256u * 1024) /* data of these, unless it is only one */
 #define LIMIT_DIRECT_HANDLERS 100u     /* handlers that a publisher in direct mode is told of */
 #define LIMIT_WAITING_QUERIES 100000u  /* queries to one message that nobody handles yet */
 #define LIMIT_WAITING_BYTES (256u * 1024 * 1024) /* data of these */

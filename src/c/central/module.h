@@ -44,6 +44,7 @@ struct module {
     struct list same_name;   /* once introduced */
     uint64_t accepted_ns;
     bool in_order;           /* its library has the ability ABILITY_IN_ORDER */
+    bool takes_ahead;        /* ... ABILITY_AHEAD */
 
     /* Input. */
     struct list in_input;    /* has bytes that are not handled yet */

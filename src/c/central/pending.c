@@ -26,51 +26,29 @@ struct place {
 
 void pending_pool_init(struct pending_pool *pool)
 {
-    list_init(&pool->places);
-    list_init(&pool->runs);
+    pool_init(&pool->places, sizeof(struct place));
+    pool_init(&pool->runs, sizeof(struct run));
 }
 
 void pending_pool_fini(struct pending_pool *pool)
 {
-    struct list *at, *following;
-    LIST_EACH(at, following, &pool->places) {
-        free(LIST_OWNER(at, struct place, in_run));
-    }
-    LIST_EACH(at, following, &pool->runs) {
-        free(LIST_OWNER(at, struct run, in_queue));
-    }
-}
-
-/* The first link of a pool list, taken out of it, or NULL. */
-static struct list *take_free(struct list *free_ones)
-{
-    if (list_is_empty(free_ones)) {
-        return NULL;
-    }
-    struct list *link = free_ones->next;
-    list_remove(link);
-    return link;
-}
-
-static struct place *place_new(struct pending_flow *flow)
-{
-    struct list *link = take_free(&flow->queue->pool->places);
-    struct place *place =
-        link != NULL ? LIST_OWNER(link, struct place, in_run) : mem_new(sizeof *place);
-    list_init(&place->in_run);
-    list_init(&place->in_flow);
-    place->flow = flow;
-    return place;
+    pool_fini(&pool->places);
+    pool_fini(&pool->runs);
 }
 
 static struct run *run_new(struct pending_pool *pool, int priority)
 {
-    struct list *link = take_free(&pool->runs);
-    struct run *run = link != NULL ? LIST_OWNER(link, struct run, in_queue) : mem_new(sizeof *run);
+    struct run *run = pool_take(&pool->runs);
     list_init(&run->in_queue);
     list_init(&run->places);
     run->priority = priority;
     return run;
+}
+
+static void run_free(struct pending_pool *pool, struct run *run)
+{
+    list_remove(&run->in_queue);
+    pool_give(&pool->runs, run);
 }
 
 static void place_free(struct pending_pool *pool, struct place *place)
@@ -78,10 +56,9 @@ static void place_free(struct pending_pool *pool, struct place *place)
     struct run *run = place->run;
     list_remove(&place->in_run);
     list_remove(&place->in_flow);
-    list_prepend(&pool->places, &place->in_run);
+    pool_give(&pool->places, place);
     if (list_is_empty(&run->places)) {
-        list_remove(&run->in_queue);
-        list_prepend(&pool->runs, &run->in_queue);
+        run_free(pool, run);
     }
 }
 
@@ -124,8 +101,9 @@ static void join_run(struct place *place, struct run *run)
 static void add_place(struct pending_flow *flow)
 {
     struct pending *queue = flow->queue;
-    struct place *place = place_new(flow);
+    struct place *place = pool_take(&queue->pool->places);
     const int priority = flow->subject->priority;
+    place->flow = flow;
     join_run(place, run_before(queue, find_lower(queue, priority), priority));
     list_append(&flow->places, &place->in_flow);
 }
@@ -156,8 +134,7 @@ static void rebuild_runs(struct pending *queue)
             list_remove(inner);
             join_run(place, run_before(queue, &queue->runs, place->flow->subject->priority));
         }
-        list_remove(at);
-        list_prepend(&queue->pool->runs, at);
+        run_free(queue->pool, run);
     }
 }
 

@@ -25,6 +25,7 @@
 
 #include "base/intmap.h"
 #include "base/list.h"
+#include "central/pool.h"
 
 enum { NO_PRIORITY = -1, NO_LIMIT = -1 };
 
@@ -54,10 +55,10 @@ struct pending_item {
     size_t bytes;
 };
 
-/* Free places and runs, shared by many queues. */
+/* Places and runs, shared by many queues. */
 struct pending_pool {
-    struct list places;
-    struct list runs;
+    struct pool places;
+    struct pool runs;
 };
 
 struct pending {

@@ -18,6 +18,7 @@ struct resource *resource_new(const char *name, struct module *owner, int capaci
     list_init(&resource->in_owner);
     list_init(&resource->same_name);
     list_init(&resource->active);
+    list_init(&resource->ahead);
     list_init(&resource->claims);
     pending_init(&resource->pending, pool);
     pending_init(&resource->holders_own, pool);

@@ -28,6 +28,10 @@ struct resource {
     int capacity;
     size_t attending;   /* active deliveries that count against the capacity */
     struct list active; /* of struct dispatch, first sent first */
+    struct list ahead;  /* the next after these, sent before their turn */
+    size_t n_ahead;
+    size_t ahead_bytes; /* data of these */
+    bool limited;       /* a limit has been set, so what waits may have to be dropped */
     struct pending pending;
     bool overflowing;   /* pending deliveries were dropped since there was room last */
 

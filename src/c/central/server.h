@@ -61,6 +61,7 @@ struct server {
     struct list waiting;  /* those whose wish to start is not answered, oldest first */
     size_t n_waiting;
     bool started;         /* as many as expected have asked to start */
+    bool has_priorities;  /* of messages: what waits may be overtaken */
     struct namesakes module_names;
     struct namesakes resource_names;
 

@@ -16,6 +16,9 @@ static void learn_from_look_up(struct request *request)
     if (table_same_name(TABLE_FOLDING, asked->message, ABILITY_IN_ORDER)) {
         request->module->in_order = true;
     }
+    if (table_same_name(TABLE_FOLDING, asked->message, ABILITY_AHEAD)) {
+        request->module->takes_ahead = true;
+    }
     if (asked->handler != NULL && handler_find(request->module, asked->handler) == NULL) {
         log_notice(&request->server->log, "\nWARNING: msgInfoHnd: Missing handler: %s\n",
                    asked->handler);

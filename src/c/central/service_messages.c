@@ -182,6 +182,7 @@ void service_priority(struct request *request)
     struct message *message = request_get_message(request, priority->name);
     if (message != NULL) {
         pending_subject_set_priority(&message->subject, priority->number);
+        request->server->has_priorities = true;
     }
 }
 

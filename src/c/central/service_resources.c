@@ -118,12 +118,14 @@ static void limit_resource(struct log *log, struct resource *resource, int limit
                    resource->name, resource->pending.limit, limit);
     }
     resource->pending.limit = limit;
+    resource->limited = true;
 }
 
 static void limit_message(struct log *log, struct resource *resource, struct message *message,
                           int limit)
 {
     const int before = pending_set_limit(&resource->pending, &message->subject, limit);
+    resource->limited = true;
     if (before != NO_LIMIT && before != limit) {
         log_status(log, "WARNING: Changing pending message limit of %s from %d to %d\n",
                    message->name, before, limit);

@@ -85,7 +85,7 @@ static int32_t await_number(struct _X_IPC_CONTEXT *context, struct awaited *awai
 }
 
 /* Names that are asked for only to say that this library has the ability. */
-static const char *const abilities[] = {ABILITY_IN_ORDER};
+static const char *const abilities[] = {ABILITY_IN_ORDER, ABILITY_AHEAD};
 enum { N_ABILITIES = sizeof abilities / sizeof abilities[0] };
 
 /* Asks for all numbers at once; *get_broadcasts is that of the query for the list of broadcasts. */

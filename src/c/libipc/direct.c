@@ -57,21 +57,18 @@ void peer_unref(struct peer *peer)
     }
 }
 
-/* Closes the link and takes the peer off the list; who still refers to it sees that it is closed. */
-static void peer_close(struct peer *peer)
+/* Takes a peer off the list; who still refers to it sees that its link is closed. */
+static void peer_forget(struct peer *peer)
 {
-    if (peer->link.fd >= 0) {
-        link_fini(&peer->link);
-        list_remove(&peer->in_context);
-        peer_unref(peer);
-    }
+    list_remove(&peer->in_context);
+    peer_unref(peer);
 }
 
 void direct_peer_ended(struct peer *peer)
 {
     if (peer->link.fd >= 0) {
         report_warning("Closed Connection Detected from: Module: sd: %d:\n", peer->link.fd);
-        peer_close(peer);
+        link_fini(&peer->link); /* the next wait forgets the peer */
     }
 }
 
@@ -85,12 +82,17 @@ static void peer_flush(struct peer *peer)
 void direct_drain(struct peer *peer, uint64_t mark)
 {
     struct _X_IPC_CONTEXT *context = peer->context;
-    peer_flush(peer);
+    (void)peer_ref(peer); /* the list may give up the last other reference */
     context->draining++;
-    while (peer->link.fd >= 0 && peer->link.written < mark) {
+    const bool broken = peer->link.fd >= 0 && link_flush(&peer->link) < 0;
+    while (!broken && peer->link.fd >= 0 && peer->link.written < mark) {
         wait_turn(context->library, NO_DEADLINE);
     }
     context->draining--;
+    if (broken) {
+        direct_peer_ended(peer);
+    }
+    peer_unref(peer);
 }
 
 /* ------------------------------------------------------------- being reachable */
@@ -145,10 +147,14 @@ void direct_each_fd(struct _X_IPC_CONTEXT *context,
     struct list *position;
     struct list *following;
     LIST_EACH (position, following, &context->peers) {
-        const struct peer *peer = peer_at(position);
+        struct peer *peer = peer_at(position);
         const int wanted = (full ? 0 : READY_READ) |
                            (link_waiting(&peer->link) > 0 ? READY_WRITE : 0);
-        add(waiting, peer->link.fd, wanted, context);
+        if (peer->link.fd >= 0) {
+            add(waiting, peer->link.fd, wanted, context);
+        } else {
+            peer_forget(peer);
+        }
     }
 }
 
@@ -208,7 +214,7 @@ static struct peer *find_outgoing(struct _X_IPC_CONTEXT *context, const char *ho
     struct list *position = context->peers.next;
     for (; position != &context->peers; position = position->next) {
         struct peer *peer = peer_at(position);
-        if (!peer->incoming && peer->port == port &&
+        if (!peer->incoming && peer->link.fd >= 0 && peer->port == port &&
             table_same_name(TABLE_FOLDING, peer->host, host)) {
             return peer;
         }
@@ -326,6 +332,10 @@ void direct_close(struct _X_IPC_CONTEXT *context)
     }
     net_close_local(&context->direct_local);
     while (!list_is_empty(&context->peers)) {
-        peer_close(peer_at(context->peers.next));
+        struct peer *peer = peer_at(context->peers.next);
+        if (peer->link.fd >= 0) {
+            link_fini(&peer->link);
+        }
+        peer_forget(peer);
     }
 }

@@ -4,6 +4,7 @@
 #include "libipc/registry.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -44,8 +45,10 @@ void registry_learn(struct _X_IPC_CONTEXT *context, const char *name,
         return;
     }
     struct message *message = registry_get(context, name);
-    free(message->name);
-    message->name = mem_copy_string(info->name);
+    /* In place, because others hold the pointer; spellings of one name differ in case only. */
+    if (strlen(info->name) == strlen(message->name)) {
+        memcpy(message->name, info->name, strlen(info->name));
+    }
     message->known = true;
     message->id = info->id;
     learn_wire(message, info->wire);
