@@ -23,8 +23,7 @@ def test_nothing_private_is_installed(installation):
 
 
 def test_the_installed_server_runs(installation):
-    assert "Usage" in run(installation.path("central"), "-h") or \
-        "command line options" in run(installation.path("central"), "-h")
+    assert "command line options" in run(installation.path("central"), "-h")
 
 
 def test_destdir_stands_before_the_prefix(build, tmp_path):
