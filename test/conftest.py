@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from support import driver as driver_module
+from support import driver as driver_module, processes
 from support.fake_central import FakeCentral
 from support.peer import Peer
 from support.processes import Central, Compiler, Library
@@ -52,6 +52,19 @@ def is_original_central(program):
     asked = subprocess.run([program, "-v"], capture_output=True, text=True, timeout=PATIENCE,
                            stdin=subprocess.DEVNULL, check=False)
     return "Task Control Server 3.9" in asked.stderr + asked.stdout
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Shows what the centrals of a failed test have printed."""
+    outcome = yield
+    report = outcome.get_result()
+    if report.failed:
+        for process in processes.started:
+            if isinstance(process, Central):
+                report.sections.append((f"output of {process}", process.output()[-3000:]))
+    if call.when == "teardown":
+        processes.started.clear()
 
 
 @pytest.fixture(autouse=True)

@@ -16,6 +16,10 @@ SANITIZER_TRACES = ("ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "runtime 
                     "WARNING: ThreadSanitizer")
 
 
+#: All programs that the running test has started.
+started = []
+
+
 class Process:
     """A running program whose output is collected line by line.
 
@@ -47,6 +51,7 @@ class Process:
                                   (self.process.stderr, self.stderr))]
         for reader in self._readers:
             reader.start()
+        started.append(self)
 
     def _read(self, stream, lines):
         try:
@@ -161,6 +166,7 @@ class Central(Process):
 
     def __init__(self, program, *options, original=False, **popen):
         self.original = original
+        self._stopped = False
         port = free_port() if original else 0
         super().__init__([program, f"-p{port}", "-u", *options], **popen)
         try:
@@ -173,10 +179,11 @@ class Central(Process):
         self.unix_path = f"/tmp/x_ipc/{self.port}"
 
     def stop(self):
-        was_alive = self.alive()
+        """Ends central; complains if it had ended by itself."""
+        ended = not self._stopped and not self.alive()
+        self._stopped = True
         super().stop()
-        assert was_alive or self.process.returncode in (0, 1), \
-            f"{self} had ended with status {self.process.returncode}:\n{self._tail()}"
+        assert not ended, f"{self} had ended with {self.process.returncode}:\n{self._tail()}"
 
 
 class Compiler:

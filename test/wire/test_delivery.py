@@ -2,6 +2,7 @@
 one publisher arrive in order.  Library and central under test together."""
 import os
 import signal
+import socket
 
 import pytest
 
@@ -10,6 +11,7 @@ from support.waiting import PATIENCE, SLOW
 
 pytestmark = pytest.mark.new_library("it drops by a stale list and reverses first messages")
 
+HOST = socket.gethostname()
 KIB, MIB = 1 << 10, 1 << 20
 SIZES = {"0 bytes": (10_000, 0), "8 bytes": (10_000, 8), "100 bytes": (10_000, 100),
          "4 KiB": (3_000, 4 * KIB), "64 KiB": (300, 64 * KIB), "1 MiB": (20, MIB),
@@ -80,13 +82,17 @@ def test_every_subscriber_gets_everything(connected):
     assert [received(subscriber, "numbers") for subscriber in subscribers] == [(2000, 0, 0)] * 4
 
 
-def test_nothing_is_lost_between_subscribing_and_publishing(connected, tmp_path):
+@pytest.mark.parametrize("publisher_host", ["localhost", HOST], ids=["tcp", "unix"])
+@pytest.mark.parametrize("subscriber_host", ["localhost", HOST], ids=["tcp", "unix"])
+def test_nothing_is_lost_between_subscribing_and_publishing(subscriber_host, publisher_host, central,
+                                                           start_driver, tmp_path):
     """500 races of two processes: the publisher, which never listens, is told by a byte in a pipe the moment
     that IPC_subscribe has returned, and publishes at once."""
     rounds = 500
     fifo = str(tmp_path / "race")
     os.mkfifo(fifo)
-    subscriber, publisher = connected("SUB"), connected("PUB")
+    subscriber = start_driver("SUB").connect(f"{subscriber_host}:{central.port}")
+    publisher = start_driver("PUB").connect(f"{publisher_host}:{central.port}")
     publisher.start("race_publish", rounds, fifo)
     subscriber.start("race_subscribe", rounds, fifo, int(1000 * SLOW))
     assert subscriber.finish(60 * SLOW).result == "0"
