@@ -48,7 +48,7 @@ int buffer_reserve(struct buffer *buffer, size_t extra)
     if (extra > PTRDIFF_MAX - buffer->length)
         return ERR_MEMORY;
     size_t capacity = grown_capacity(buffer->capacity, buffer->length + extra);
-    uint8_t *bytes = realloc(buffer->bytes, capacity);
+    uint8_t *bytes = buffer->bytes == NULL ? malloc(capacity) : realloc(buffer->bytes, capacity);
     if (bytes == NULL)
         return ERR_MEMORY;
     buffer->bytes = bytes;

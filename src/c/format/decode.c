@@ -6,8 +6,8 @@
  * array is compared with its dimensions as soon as these are there: at once, or
  * at the end of the structure when some follow the array.
  *
- * Memory is zeroed before it is filled, so that padding is zero and a failure
- * at any point leaves a value that can be released.
+ * What is not overwritten in any case is zeroed before, so that padding is zero
+ * and a failure at any point leaves a value that can be released.
  */
 #include "format/format.h"
 
@@ -205,6 +205,20 @@ static int walk(struct decoder *d, const uint8_t **start, uint8_t *element)
             at += op->length;
             op++;
             continue;
+        case OP_COPY_4:
+            if (rest(d, at) < 4)
+                return ERR_CONTENT;
+            memcpy(element + op->offset, at, 4);
+            at += 4;
+            op++;
+            continue;
+        case OP_COPY_8:
+            if (rest(d, at) < 8)
+                return ERR_CONTENT;
+            memcpy(element + op->offset, at, 8);
+            at += 8;
+            op++;
+            continue;
         case OP_SWAP:
             if (rest(d, at) / op->unit < op->length)
                 return ERR_CONTENT;
@@ -304,13 +318,13 @@ static int decode(const struct format *format, const struct format_source *sourc
     frame_stack_init(&decoder.stack);
     counts_init(&decoder.arrays);
     counts_init(&decoder.unchecked);
-    const size_t size = format->type->size;
-    clear_few(value, size);
+    for (uint32_t i = 0; i < format->holes.count; i++)
+        clear_few((uint8_t *)value + format->holes.items[i].offset, format->holes.items[i].length);
     const uint8_t *at = source->bytes;
     int error = walk(&decoder, &at, value);
     if (error != 0) {
         release_partial(format, value, &decoder.arrays, &decoder.stack);
-        memset(value, 0, size);
+        memset(value, 0, format->type->size);
     } else if (used != NULL) {
         *used = (size_t)(at - source->bytes);
     }
@@ -328,19 +342,11 @@ static uintptr_t limit_of(const struct format_source *source)
     return (uintptr_t)source->bytes + source->length;
 }
 
-int format_decode(const struct format *format, const struct format_source *source, void *value,
-                  size_t *used)
+/* Decodes a value that has a size into memory for it. */
+static inline int decode_into(const struct format *format, const struct format_source *source,
+                              void *value, size_t *used)
 {
-    if (used != NULL)
-        *used = 0;
-    int error = format_check(format, value);
-    if (error != 0)
-        return error < 0 ? error : 0;
     const struct type *type = format->type;
-    if (source->length < type->wire_least) {
-        memset(value, 0, type->size);
-        return ERR_CONTENT;
-    }
     if (!type->simple || source->order != byte_order_of_host())
         return decode(format, source, limit_of(source), value, used);
     copy_few(value, source->bytes, type->size);
@@ -349,23 +355,36 @@ int format_decode(const struct format *format, const struct format_source *sourc
     return 0;
 }
 
+int format_decode(const struct format *format, const struct format_source *source, void *value,
+                  size_t *used)
+{
+    if (used != NULL)
+        *used = 0;
+    int error = format_check(format, value);
+    if (error != 0)
+        return error < 0 ? error : 0;
+    if (source->length < format->type->wire_least) {
+        memset(value, 0, format->type->size);
+        return ERR_CONTENT;
+    }
+    return decode_into(format, source, value, used);
+}
+
 int format_decode_new(const struct format *format, const struct format_source *source, void **value,
                       size_t *used)
 {
     *value = NULL;
     if (used != NULL)
         *used = 0;
-    const size_t size = format_size(format);
-    if (format != NULL && format_is_bad(format))
-        return ERR_FORMAT;
-    if (size == 0)
-        return 0;
+    int error = format_check(format, value);
+    if (error != 0)
+        return error < 0 ? error : 0;
     if (source->length < format->type->wire_least)
         return ERR_CONTENT;
-    void *block = malloc(size);
+    void *block = malloc(format->type->size);
     if (block == NULL)
         return ERR_MEMORY;
-    int error = format_decode(format, source, block, used);
+    error = decode_into(format, source, block, used);
     if (error != 0)
         free(block);
     else

@@ -152,6 +152,22 @@ static struct room walk(struct encoder *e, struct room room, uint8_t *element)
             room.at += op->length;
             op++;
             continue;
+        case OP_COPY_4:
+            room = need(e, room, 4);
+            if (room.at == NULL)
+                return room;
+            memcpy(room.at, element + op->offset, 4);
+            room.at += 4;
+            op++;
+            continue;
+        case OP_COPY_8:
+            room = need(e, room, 8);
+            if (room.at == NULL)
+                return room;
+            memcpy(room.at, element + op->offset, 8);
+            room.at += 8;
+            op++;
+            continue;
         case OP_SWAP:
             room = need(e, room, (uint64_t)op->length * op->unit);
             if (room.at == NULL)
@@ -258,10 +274,14 @@ int format_encode(const struct format *format, const void *value, enum byte_orde
         return error < 0 ? error : 0;
     const struct type *type = format->type;
     const bool swap = order != byte_order_of_host();
-    if (type->simple && !swap)
-        return buffer_append(out, value, type->size);
-    if (buffer_reserve(out, type->wire_least) != 0)
+    if (out->capacity - out->length < type->wire_least &&
+        buffer_reserve(out, type->wire_least) != 0)
         return ERR_MEMORY;
+    if (type->simple && !swap) {
+        copy_few(out->bytes + out->length, value, type->size);
+        out->length += type->size;
+        return 0;
+    }
     struct encoder encoder;
     encoder.program = format_program(format, order);
     encoder.out = out;

@@ -19,6 +19,7 @@ struct format *format_new(struct type *type)
     format->type = type;
     for (int i = 0; i < N_PROGRAMS; i++)
         program_compile(&format->programs[i], type, (enum program_purpose)i);
+    holes_find(&format->holes, type);
     return format;
 }
 
@@ -96,15 +97,4 @@ void format_set_empty_strings(bool keep)
 bool format_keeps_empty_strings(void)
 {
     return keep_empty_strings;
-}
-
-int format_check(const struct format *format, const void *value)
-{
-    if (format == NULL)
-        return 1;
-    if (format_is_bad(format))
-        return ERR_FORMAT;
-    if (format->type->size == 0)
-        return 1;
-    return value == NULL ? ERR_NULL : 0;
 }

@@ -69,8 +69,12 @@ static int walk(struct measurer *m, uint8_t *element)
         int error = 0;
         switch ((enum opcode)op->code) {
         case OP_COPY:
+        case OP_COPY_4:
+        case OP_COPY_8:
+            error = add(m, op->length);
+            break;
         case OP_SWAP:
-            error = add(m, op->code == OP_COPY ? op->length : (uint64_t)op->length * op->unit);
+            error = add(m, (uint64_t)op->length * op->unit);
             break;
         case OP_ENUMERATION:
             error = add(m, 4);

@@ -271,7 +271,7 @@ static bool complain_of_reference(struct parser *p, const struct type *structure
 /* Checks all references in a structure, whose positions were pushed since first. */
 static bool check_references(struct parser *p, const struct type *structure, size_t first)
 {
-    const size_t *position = p->positions + first;
+    size_t position = first;
     for (uint32_t i = 0; i < structure->n_members; i++) {
         const struct type *member = structure->members[i];
         if (member->kind != TYPE_VARIABLE_ARRAY)
@@ -279,7 +279,7 @@ static bool check_references(struct parser *p, const struct type *structure, siz
         for (uint32_t k = 0; k < member->n_numbers; k++, position++) {
             enum reference_fault fault = type_check_reference(structure, i, member->numbers[k]);
             if (fault != REFERENCE_FINE)
-                return complain_of_reference(p, structure, fault, *position);
+                return complain_of_reference(p, structure, fault, p->positions[position]);
         }
     }
     p->n_positions = first;

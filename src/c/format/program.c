@@ -284,11 +284,15 @@ static void compile_body(struct compiler *c)
     op->body = c->n_ops - 1 - start;
 }
 
-/* Turns places in the list of bodies into indexes of operations. */
-static void link_bodies(struct compiler *c)
+/* Turns places in the list of bodies into indexes of operations, and copies into short ones. */
+static void finish(struct compiler *c)
 {
     for (uint32_t i = 0; i < c->n_ops; i++) {
         struct op *op = &c->program->ops[i];
+        if (op->code == OP_COPY && op->length == 4)
+            op->code = OP_COPY_4;
+        else if (op->code == OP_COPY && op->length == 8)
+            op->code = OP_COPY_8;
         if (op->code == OP_POINTER || op->code == OP_ARRAY || op->code == OP_LOOP ||
             op->code == OP_CALL)
             op->body = c->bodies[op->body].start;
@@ -305,7 +309,7 @@ void program_compile(struct program *program, const struct type *type, enum prog
         compile_body(&compiler);
         compiler.current++;
     }
-    link_bodies(&compiler);
+    finish(&compiler);
     free(compiler.bodies);
 }
 

@@ -28,8 +28,10 @@
 struct type;
 
 enum opcode {
-    OP_END,         /* next element at size bytes behind this one: go back body operations */
-    OP_COPY,        /* length bytes, alike in memory and on the wire */
+    OP_END,    /* next element at size bytes behind this one: go back body operations */
+    OP_COPY,   /* length bytes, alike in memory and on the wire */
+    OP_COPY_4, /* the same for 4 and 8 bytes, the usual lengths of one member */
+    OP_COPY_8,
     OP_SWAP,        /* length numbers of unit bytes each, in the other order */
     OP_ENUMERATION, /* unit bytes in memory, 4 on the wire */
     OP_STRING,

@@ -99,6 +99,8 @@ static void walk(struct releaser *r, uint8_t *element)
             n_targets = op->code == OP_LOOP ? op->length : 1;
             break;
         case OP_COPY:
+        case OP_COPY_4:
+        case OP_COPY_8:
         case OP_SWAP:
         case OP_ENUMERATION:
         case OP_CHECK:

@@ -7,13 +7,6 @@
 
 #include "base/limits.h"
 
-void frame_stack_fini(struct frame_stack *stack)
-{
-    if (stack->frames != stack->first)
-        free(stack->frames);
-    frame_stack_init(stack);
-}
-
 int frame_stack_grow(struct frame_stack *stack)
 {
     if (stack->capacity >= LIMIT_DATA_DEPTH)

@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/byteorder.h"
@@ -40,7 +41,11 @@ static inline void frame_stack_init(struct frame_stack *stack)
     stack->capacity = N_FIRST_FRAMES;
 }
 
-void frame_stack_fini(struct frame_stack *stack);
+static inline void frame_stack_fini(struct frame_stack *stack)
+{
+    if (stack->frames != stack->first)
+        free(stack->frames);
+}
 
 /* Makes room for one more frame: 0, ERR_DEPTH beyond LIMIT_DATA_DEPTH frames, ERR_MEMORY. */
 int frame_stack_grow(struct frame_stack *stack);
@@ -64,8 +69,14 @@ static inline int frame_push(struct frame_stack *stack, const struct op *op, uin
 /* Copies of few bytes without a call: as two that may overlap. */
 static inline void copy_few(uint8_t *to, const uint8_t *from, size_t count)
 {
-    if (count > 32) {
+    if (count > 64) {
         memcpy(to, from, count);
+    } else if (count >= 32) {
+        uint64_t a[4], b[4];
+        memcpy(a, from, 32);
+        memcpy(b, from + count - 32, 32);
+        memcpy(to, a, 32);
+        memcpy(to + count - 32, b, 32);
     } else if (count >= 16) {
         uint64_t a[2], b[2];
         memcpy(a, from, 16);
@@ -107,6 +118,9 @@ static inline void clear_few(uint8_t *at, size_t count)
     } else if (count >= 8) {
         memcpy(at, zero, 8);
         memcpy(at + count - 8, zero, 8);
+    } else if (count >= 4) {
+        memcpy(at, zero, 4);
+        memcpy(at + count - 4, zero, 4);
     } else {
         for (size_t i = 0; i < count; i++)
             at[i] = 0;
