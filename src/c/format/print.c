@@ -260,8 +260,6 @@ static bool read_dimensions(const struct type *type, const struct surroundings *
         product = product > INT32_MAX || size > INT32_MAX ? UINT32_MAX : product * (uint64_t)size;
         dimensions[i] = size > INT32_MAX ? INT32_MAX : (int32_t)size;
     }
-    if (empty) /* a row of nothing, however many there would be */
-        dimensions[0] = 0;
     return empty || product <= INT32_MAX;
 }
 

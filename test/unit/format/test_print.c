@@ -74,6 +74,22 @@ static void dimensions_are_found_behind_strings(void **state)
     assert_prints("{int, string, <int:1>}", &value, "{2, \"x\", <7, 8>}\n");
 }
 
+static void rows_of_nothing_print_as_many_as_there_are(void **state)
+{
+    (void)state;
+    struct value {
+        int rows;
+        int columns;
+        const int *elements;
+    };
+    static const int nothing = 0;
+    const struct value no_columns = {2, 0, &nothing}, no_rows = {0, 3, &nothing};
+    const struct value missing = {2, 0, NULL};
+    assert_prints("{int, int, <int:1,2>}", &no_columns, "{2, 0, <<>, <>>}\n");
+    assert_prints("{int, int, <int:1,2>}", &no_rows, "{0, 3, <>}\n");
+    assert_prints("{int, int, <int:1,2>}", &missing, "{2, 0, NULL}\n");
+}
+
 static void special_numbers_print_with_their_sign(void **state)
 {
     (void)state;
@@ -166,6 +182,7 @@ int main(void)
         cmocka_unit_test(empty_structures_print_both_braces),
         cmocka_unit_test(bytes_print_as_they_are),
         cmocka_unit_test(dimensions_are_found_behind_strings),
+        cmocka_unit_test(rows_of_nothing_print_as_many_as_there_are),
         cmocka_unit_test(special_numbers_print_with_their_sign),
         cmocka_unit_test(every_line_is_indented_at_the_cost_of_its_columns),
         cmocka_unit_test(formats_and_references_print_as_text),

@@ -110,6 +110,7 @@ static void compound_values_are_read_as_printed(void **state)
         {"{int, <int:1>}", "{0, NULL}", "[0, null]"},
         {"{int, int, <int:1,2>}", "{2, 3, <<1, 2, 3>, <4, 5, 6>>}", "[2, 3, [1, 2, 3, 4, 5, 6]]"},
         {"{int, int, <int:1,2>}", "{0, 3, <>}", "[0, 3, null]"},
+        {"{int, int, <int:1,2>}", "{2, 0, <<>, <>>}", "[2, 0, null]"},
         {"{int, <{int, <string:1>}:1>}", "{2, <{1, <\"p\">}, {2, <\"q\", \"r\">}>}",
          "[2, [[1, [\"p\"]], [2, [\"q\", \"r\"]]]]"},
         {"*int", "NULL", "null"},
