@@ -4,6 +4,7 @@ import subprocess
 
 import pytest
 
+from support.driver import texts_in
 from support.processes import Process
 
 PATIENCE = 20
@@ -66,3 +67,35 @@ def test_the_end_of_the_input_ends_a_module(build, central, stack, name):
     module = stack.enter_context(Module(build, central, name))
     module.process.stdin.close()
     assert module.wait(PATIENCE) == 0
+
+
+def test_a_module_lives_in_an_event_loop_of_its_own(build, central, stack, start_driver):
+    """It answers while its loop waits, its timer runs, and it ends with its own descriptor."""
+    module = stack.enter_context(Process(
+        [os.path.join(build.directory, "examples/event_loop")], stdin=subprocess.PIPE,
+        env={"CENTRALHOST": central.address}))
+    module.wait_for_line("^ready$", seconds=PATIENCE)
+    asker = start_driver("ASKER").connect(central.address)
+    for value in range(1, 6):
+        asked = asker.do("query_data", "question", "answer", 5000, "int", value)
+        assert asked.result == f"OK {2 * value}"
+        module.wait_for_line(f"^asked about {value}$", seconds=PATIENCE)
+    asker.do("sleep", 300)  # the module's timer has its time
+    module.process.stdin.close()
+    module.wait_for_line("^ticked$", seconds=PATIENCE)
+    assert module.wait(PATIENCE) == 0
+
+
+def test_a_bridge_passes_messages_from_one_central_to_another(build, start_central, stack,
+                                                              start_driver):
+    first, second = start_central(), start_central()
+    publisher = start_driver("PUB").connect(first.address)
+    publisher.must("define", "news", "variable")
+    subscriber = start_driver("SUB").connect(second.address)
+    subscriber.must("subscribe", "news")
+    bridge = stack.enter_context(Process(
+        [os.path.join(build.directory, "examples/bridge"), first.address, second.address, "news"]))
+    bridge.wait_for_line("^bridge: ready$", seconds=PATIENCE)
+    for text in ("one", "two", "three"):
+        publisher.must("publish", "news", text)
+    assert texts_in(subscriber.until(3)) == ["one", "two", "three"]

@@ -3,6 +3,8 @@
  */
 #include "libipc/api.h"
 
+#include "libipc/event_set.h"
+
 IPC_ERROR_TYPE api_enter(struct api *api)
 {
     api->library = library_enter();
@@ -19,6 +21,7 @@ IPC_ERROR_TYPE api_enter_to_marshall(struct api *api)
 IPC_RETURN_TYPE api_leave(struct api *api, IPC_ERROR_TYPE error)
 {
     struct _X_IPC_CONTEXT *lost = context_take_loss(api->library, false);
+    event_set_tell(api->library); /* the call may have taken in messages */
     library_leave(api->library);
     if (lost == NULL) {
         return report(error);

@@ -279,6 +279,7 @@ static void make_current(struct library *library, struct _X_IPC_CONTEXT *context
     if (context->link.fd > library->max_fd) {
         library->max_fd = context->link.fd;
     }
+    library_changed(library);
 }
 
 static enum try_result try_once(const char *module, const char *server, bool will_listen,

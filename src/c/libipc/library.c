@@ -3,8 +3,12 @@
  */
 #include "libipc/library.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 #include "base/memory.h"
 #include "libipc/context.h"
+#include "libipc/event_set.h"
 
 /* The one mutable static of the library; everything else is reached from here. */
 static struct library the_library;
@@ -27,6 +31,8 @@ static void library_make(void)
     list_init(&library->known_order);
     buffer_init(&library->scratch);
     library->names = format_names_new();
+    const char *empty_strings = getenv("IPC_EMPTY_STRINGS");
+    format_set_empty_strings(empty_strings != NULL && strcmp(empty_strings, "1") == 0);
 }
 
 struct library *library_enter(void)
@@ -41,7 +47,8 @@ void library_leave(struct library *library)
     mutex_unlock(library->lock);
 }
 
-void library_changed(struct library *library)
+/* Tells threads that wait, in the kernel or in turn, to look again. */
+static void wake_all(struct library *library)
 {
     if (library->polling) {
         waker_wake(&library->waker);
@@ -49,6 +56,12 @@ void library_changed(struct library *library)
     if (library->sleepers > 0) {
         condition_tell_all(library->changed);
     }
+}
+
+void library_changed(struct library *library)
+{
+    wake_all(library);
+    event_set_update(library);
 }
 
 /* What is made once and kept, whatever happens to the connections. */
@@ -153,6 +166,6 @@ void library_call_end(struct library *library, struct turn *turn, struct running
     *link = running->outer;
     if (--turn->depth == 0) {
         turn->thread = 0;
-        library_changed(library); /* others may have waited for their turn */
+        wake_all(library); /* others may have waited for their turn */
     }
 }

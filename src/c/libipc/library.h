@@ -77,6 +77,9 @@ struct library {
     struct idpool timer_ids;
     uint64_t next_timer_ns;        /* earliest due time, UINT64_MAX: none */
     uint64_t timer_passes;         /* times that due timers were looked for */
+    struct poller *event_set;      /* for other event loops; NULL: nobody has asked for it */
+    int *event_fds;                /* what is in it */
+    size_t n_event_fds;
     struct list watched_fds;       /* in ascending order */
     int max_fd;                    /* largest descriptor that was ever waited for */
     struct idpool instances;       /* numbers behind MSG_INSTANCE */
@@ -93,7 +96,7 @@ struct library *library_enter(void);
 /* Gives the lock back. */
 void library_leave(struct library *library);
 
-/* Tells threads that wait, in the kernel or in turn, to look again. */
+/* What is to be waited for has changed: threads that wait, in the kernel or in turn, look again. */
 void library_changed(struct library *library);
 
 /* Puts the library into state initialised if it is fresh or disconnected. */

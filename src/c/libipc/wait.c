@@ -247,6 +247,21 @@ void wait_turn(struct library *library, uint64_t deadline_ns)
     }
 }
 
+size_t wait_list(struct library *library, struct ready_item **items)
+{
+    struct waiting waiting;
+    waiting_init(&waiting);
+    gather(library, &waiting);
+    gather_fds(library, &waiting);
+    const size_t n_items = waiting.n_items;
+    *items = mem_resize(NULL, n_items + 1, sizeof **items);
+    for (size_t i = 0; i < n_items; i++) {
+        (*items)[i] = waiting.items[i];
+    }
+    waiting_fini(&waiting);
+    return n_items;
+}
+
 void wait_poll_fds(struct library *library)
 {
     struct waiting waiting;

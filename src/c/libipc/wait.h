@@ -21,6 +21,10 @@ bool wait_is_over(uint64_t deadline_ns);
 /* Writes what waits, then waits until something may have changed, or until the deadline. */
 void wait_turn(struct library *library, uint64_t deadline_ns);
 
+/* What a wait would be for, for those who wait elsewhere: how many items, in a list that the caller
+ * frees. */
+size_t wait_list(struct library *library, struct ready_item **items);
+
 /* Looks without waiting whether descriptors of the user are ready. */
 void wait_poll_fds(struct library *library);
 

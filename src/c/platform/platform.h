@@ -100,6 +100,9 @@ struct poller_event {
 
 struct poller *poller_new(void); /* NULL: the system refused */
 void poller_free(struct poller *poller);
+
+/* A descriptor that is readable when the set has an event; -1 where there is no such thing. */
+int poller_descriptor(const struct poller *poller);
 int poller_add(struct poller *poller, int fd, int wanted, void *owner);
 int poller_change(struct poller *poller, int fd, int wanted, void *owner);
 void poller_remove(struct poller *poller, int fd);

@@ -41,6 +41,11 @@ void poller_free(struct poller *poller)
     }
 }
 
+int poller_descriptor(const struct poller *poller)
+{
+    return poller->fd;
+}
+
 static int control(struct poller *poller, int operation, int fd, int wanted, void *owner)
 {
     struct epoll_event event;
@@ -106,6 +111,12 @@ void poller_free(struct poller *poller)
         free(poller->owners);
         free(poller);
     }
+}
+
+int poller_descriptor(const struct poller *poller)
+{
+    (void)poller;
+    return -1;
 }
 
 static size_t find(const struct poller *poller, int fd)
