@@ -62,7 +62,7 @@ void format_names_set_ask(struct format_names *names, format_ask ask, void *aske
 
 int format_names_define(struct format_names *names, const char *name, const char *text)
 {
-    if (name == NULL || text == NULL)
+    if (name == NULL || *name == '\0' || text == NULL)
         return ERR_NULL;
     if (primitive_find(name, strlen(name)) != N_PRIMITIVES)
         return ERR_FORMAT;

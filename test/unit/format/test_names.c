@@ -107,6 +107,7 @@ static void primitives_and_missing_arguments_are_refused(void **state)
         assert_false(format_names_holds(names, primitives[i]));
     }
     assert_int_equal(format_names_define(names, NULL, "int"), ERR_NULL);
+    assert_int_equal(format_names_define(names, "", "int"), ERR_NULL);
     assert_int_equal(format_names_define(names, "x", NULL), ERR_NULL);
     assert_false(format_names_holds(names, "x"));
 }
