@@ -10,7 +10,7 @@ if(TARGET ipc_static)
     install(TARGETS ipc_static EXPORT ipcTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endif()
 if(TARGET central)
-    install(TARGETS central RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(TARGETS central killCentral killModule RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 install(FILES ${PROJECT_SOURCE_DIR}/include/ipc/ipc.h
               ${PROJECT_SOURCE_DIR}/include/ipc/ipcx.h

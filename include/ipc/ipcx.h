@@ -83,6 +83,32 @@ IPC_RETURN_TYPE IPCx_unmarshallN(FORMATTER_PTR formatter, BYTE_ARRAY byteArray,
  */
 IPC_RETURN_TYPE IPCx_setEmptyStrings(int keep);
 
+/* --------------------------------------------------------------------- shell */
+
+/*
+ * Ends the central of that server in good order [4.49]: its process is found on this
+ * machine and asked to end, which the caller must be allowed to do.  Works with a central
+ * of CMU IPC as well.  server: as for IPC_connectModule.  Waits up to 5 seconds.
+ * Returns IPC_OK when it has ended, IPC_Timeout when it stays, IPC_Error with
+ * IPC_Not_Connected (there is none), IPC_Communication_Error (it is not on this machine, or
+ * ending it is not allowed).
+ */
+IPC_RETURN_TYPE IPCx_killCentral(const char *server);
+
+/*
+ * Ends all modules of that name [4.50], as IPCx_killCentral ends central; central notices
+ * and tells the others.  server NULL: the central of the current context, or as for
+ * IPC_connect.  A central of CMU IPC does not know the processes of its modules: then the
+ * result is IPC_Error with IPC_Message_Not_Defined.
+ * Errors: IPC_Null_Argument; IPC_Argument_Out_Of_Range (no module of that name is
+ * connected); otherwise as IPCx_killCentral.
+ */
+IPC_RETURN_TYPE IPCx_killModule(const char *moduleName, const char *server);
+
+/* The functions of the manual, for CENTRALHOST; what goes wrong is printed by verbosity. */
+void killCentral(void);
+void killModule(char *taskName);
+
 #if defined(__GNUC__) && !defined(_WIN32)
 #pragma GCC visibility pop
 #endif

@@ -1,4 +1,4 @@
-"""ipc.h as compilers see it: in every language standard, at the strictest level."""
+"""The public headers as compilers see them: in every language standard, at the strictest level."""
 import os
 
 import pytest
@@ -12,10 +12,11 @@ COMPILERS = ([(compiler, "c", std) for compiler in ("gcc", "clang") for std in C
              [(compiler, "c++", std) for compiler in ("g++", "clang++") for std in CPLUSPLUS])
 
 
+@pytest.mark.parametrize("header", ["ipc.h", "ipcx.h"])
 @pytest.mark.parametrize("compiler,language,standard", COMPILERS)
-def test_the_header_compiles_alone(compiler, language, standard):
-    run(tool(compiler), f"-std={standard}", *STRICT, "-x", language, "-fsyntax-only",
-        os.path.join(ROOT, "include/ipc/ipc.h"))
+def test_a_header_compiles_alone(compiler, language, standard, header):
+    run(tool(compiler), f"-std={standard}", *STRICT, "-I", os.path.join(ROOT, "include"),
+        "-x", language, "-fsyntax-only", os.path.join(ROOT, "include/ipc", header))
 
 
 @pytest.mark.parametrize("compiler,language,standard", COMPILERS)

@@ -5,7 +5,7 @@ import pytest
 
 from install.tools import Installation, run, tool
 
-EXPECTED = {"central", "ipc.h", "ipc.pc", "ipcConfig.cmake", "ipcConfigVersion.cmake",
+EXPECTED = {"central", "ipc.h", "ipcx.h", "ipc.pc", "ipcConfig.cmake", "ipcConfigVersion.cmake",
             "ipcTargets.cmake", "libipc.a", "libipc.so", "libipc.so.1", "LICENSE"}
 OUTPUT = '{1, "two"}\n'
 
@@ -19,7 +19,7 @@ def test_everything_that_users_need_is_installed_in_its_place(installation):
 
 def test_nothing_private_is_installed(installation):
     headers = [file for file in installation.files if file.endswith(".h")]
-    assert headers == ["include/ipc/ipc.h"]
+    assert headers == ["include/ipc/ipc.h", "include/ipc/ipcx.h"]
 
 
 def test_the_installed_server_runs(installation):

@@ -16,6 +16,7 @@ BELOW = {
     "link": {"base", "platform", "wire"},
     "libipc": {"base", "platform", "format", "wire", "link", "ipc"},
     "central": {"base", "platform", "format", "wire", "link"},
+    "shell": set(),
 }
 
 # Headers of operating systems: only platform/ may include them.

@@ -34,6 +34,7 @@ static const struct service_entry services[LM_COUNT] = {
     [LM_LIMIT_PENDING] = {false, service_limit_pending},
     [LM_PRIORITY] = {false, service_priority},
     [LM_IS_CONNECTED] = {false, service_is_connected},
+    [LM_PROCESSES] = {false, service_processes},
     [LM_HANDLERS] = {false, service_handlers},
     [LM_WATCH_HANDLERS] = {false, service_watch_handlers},
     [LM_CONNECTED] = {false, NULL}, /* these two are the server's to publish */

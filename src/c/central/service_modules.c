@@ -10,6 +10,7 @@
 #include "central/services.h"
 #include "central/start.h"
 #include "central/version.h"
+#include "platform/owner.h"
 
 enum { HIGHEST_PORT = 65535 };
 
@@ -21,6 +22,29 @@ void service_is_connected(struct request *request)
         (namesakes_find(&request->server->module_names, name) != NULL ||
          table_same_name(TABLE_FOLDING, name, SERVER_NAME));
     request_answer(request, &is_connected);
+}
+
+/* Where the modules of a name run, so that who may can end them: see killModule. */
+void service_processes(struct request *request)
+{
+    enum { MOST = 1000 };
+    const char *name = request->payload->name;
+    struct process_list list = {0, NULL};
+    struct list *modules =
+        request_names(request, name) ? namesakes_find(&request->server->module_names, name) : NULL;
+    struct list *at, *following;
+    list.processes = mem_new(MOST * sizeof *list.processes);
+    if (modules != NULL) {
+        LIST_EACH(at, following, modules) {
+            const struct module *module = LIST_OWNER(at, struct module, same_name);
+            if (list.count < MOST) {
+                list.processes[list.count].process = owner_of_peer(module->link.fd);
+                list.processes[list.count++].port = owner_peer_port(module->link.fd);
+            }
+        }
+    }
+    request_answer(request, &list);
+    free(list.processes);
 }
 
 /* ------------------------------------------------------------------- handlers */

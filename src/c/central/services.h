@@ -28,6 +28,7 @@ void service_resume_logging(struct request *request);
 
 /* service_modules.c: modules and their handlers */
 void service_is_connected(struct request *request);
+void service_processes(struct request *request);
 void service_handlers(struct request *request);
 void service_watch_handlers(struct request *request);
 void service_handler_info(struct request *request);

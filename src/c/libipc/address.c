@@ -50,6 +50,12 @@ int address_parse(const char *text, struct address *address)
     return 0;
 }
 
+bool address_is_loopback(const struct address *address)
+{
+    return strcmp(address->host, "localhost") == 0 || strncmp(address->host, "127.", 4) == 0 ||
+           strcmp(address->host, "::1") == 0;
+}
+
 int address_connect(const struct address *address, int timeout_ms, int *fd, bool *local)
 {
     bool ignored;

@@ -19,6 +19,9 @@ struct address {
 /* Splits host[:port] or [IPv6]:port: 0, or ERR_UNKNOWN when it cannot name a host. */
 int address_parse(const char *text, struct address *address);
 
+/* Whether the host is this machine's loopback. */
+bool address_is_loopback(const struct address *address);
+
 /* Opens a connection: 0 or as net_connect_tcp.  *local (may be NULL) tells whether it is by Unix socket. */
 int address_connect(const struct address *address, int timeout_ms, int *fd, bool *local);
 

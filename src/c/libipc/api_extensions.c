@@ -8,6 +8,7 @@
 #include "libipc/api.h"
 #include "libipc/event_set.h"
 #include "libipc/formatter.h"
+#include "libipc/shell.h"
 #include "libipc/wait.h"
 
 /* One pass of a listening call handles what waits when it begins; what its handlers cause comes next,
@@ -96,4 +97,50 @@ IPC_RETURN_TYPE IPCx_setEmptyStrings(int keep)
     }
     format_set_empty_strings(keep != 0);
     return IPC_OK;
+}
+
+/* ----------------------------------------------------------------------- shell */
+
+static IPC_RETURN_TYPE result_of(enum shell_result result, IPC_ERROR_TYPE if_none)
+{
+    switch (result) {
+    case SHELL_ENDED:
+        return IPC_OK;
+    case SHELL_STAYS:
+        return IPC_Timeout;
+    case SHELL_NONE:
+        return report(if_none);
+    case SHELL_CANNOT_ASK:
+        return report(IPC_Message_Not_Defined);
+    case SHELL_ELSEWHERE:
+    case SHELL_REFUSED:
+    default:
+        return report(IPC_Communication_Error);
+    }
+}
+
+IPC_RETURN_TYPE IPCx_killCentral(const char *server)
+{
+    return result_of(shell_end_central(server), IPC_Not_Connected);
+}
+
+IPC_RETURN_TYPE IPCx_killModule(const char *moduleName, const char *server)
+{
+    if (api_is_missing(moduleName)) {
+        return report(IPC_Null_Argument);
+    }
+    return result_of(shell_end_module(moduleName, server), IPC_Argument_Out_Of_Range);
+}
+
+void killCentral(void)
+{
+    (void)IPCx_killCentral(NULL); /* what goes wrong has been printed */
+}
+
+void killModule(char *taskName)
+{
+    if (IPCx_killModule(taskName, NULL) == IPC_Error &&
+        IPC_errno == IPC_Argument_Out_Of_Range) {
+        report_warning("No task named %s was found\n", taskName);
+    }
 }

@@ -78,6 +78,8 @@ const struct library_message_entry library_messages[LM_COUNT] = {
                         "X_IPC_REF_PTR", false},
     [LM_REGISTER_VARIABLE] = {"x_ipc_registerGlobalVar", "registerGlobalVar", CLASS_INFORM,
                               TWO_NAMES, NULL, false},
+    [LM_PROCESSES] = {"ipc_x_processes", NULL, CLASS_QUERY, "string", "{int, <{int, int}:1>}",
+                      false},
 };
 
 static int compile(const char *text, struct format **format)

@@ -57,6 +57,7 @@ enum library_message {
     LM_TAP_REFERENCE,      /* reference_tap */
     LM_FIND_TAPPED,        /* int -> reference_pointer */
     LM_REGISTER_VARIABLE,  /* two_names: variable, format text */
+    LM_PROCESSES,          /* char *: module -> process_list; not known to CMU IPC */
     LM_COUNT
 };
 
@@ -194,6 +195,16 @@ struct message_details {
     int class;
     char *resource;
     int n_handlers;
+};
+
+struct module_process {
+    int process; /* 0: not known */
+    int port;    /* from which it is connected, 0: not by TCP */
+};
+
+struct process_list {
+    int count;
+    struct module_process *processes;
 };
 
 struct tap {
