@@ -32,7 +32,7 @@ static void queue_frame(struct server *server, const struct dispatch *dispatch)
     frame.intent = dispatch->handler->id;
     frame.reference = (int32_t)dispatch->id;
     outbox_queue(server, dispatch->handler->module, &frame,
-                 dispatch->uncounted ? OUTBOX_FIRST : OUTBOX_NORMAL);
+                 dispatch->message->kind == MESSAGE_WATCH ? OUTBOX_FIRST : OUTBOX_NORMAL);
 }
 
 void deliver(struct server *server, struct dispatch *dispatch, bool from_queue)
@@ -44,7 +44,7 @@ void deliver(struct server *server, struct dispatch *dispatch, bool from_queue)
         log_sent(&server->log, dispatch, dispatch->handler->module->name);
     }
     queue_frame(server, dispatch);
-    if (!server->options->resend || dispatch->block == NULL) {
+    if (!server->options->resend) {
         dispatch_drop_data(dispatch);
     }
 }

@@ -23,10 +23,16 @@ static struct pending *queue_for(struct resource *resource, const struct module 
     return NULL;
 }
 
+/* Whether a value of a watched variable has to be handled before anything else may follow. */
+static bool waits_for_value(const struct module *module)
+{
+    return !module->in_order && !list_is_empty(&module->due);
+}
+
 static bool takes_more(const struct server *server, const struct resource *resource)
 {
     return resource->owner->state == MODULE_READY && resource_has_room(resource) &&
-           outbox_has_room(server, resource->owner);
+           !waits_for_value(resource->owner) && outbox_has_room(server, resource->owner);
 }
 
 bool flow_is_free(const struct server *server, struct resource *resource,
@@ -277,10 +283,10 @@ void flow_finish(struct server *server, struct dispatch *dispatch)
     struct resource *resource = dispatch->resource;
     struct handler *handler = dispatch->handler;
     struct message *message = dispatch->message;
-    const bool was_watch = dispatch->uncounted;
     deliver_end(server, dispatch);
-    if (was_watch) {
+    if (message->kind == MESSAGE_WATCH) {
         watch_handled(server, handler, message);
+        flow_release_all(server, handler->module);
     } else if (resource_has_waiting(resource) || !list_is_empty(&resource->ahead) ||
                !list_is_empty(&resource->claims)) {
         flow_release(server, resource);

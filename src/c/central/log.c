@@ -422,12 +422,9 @@ static void add_data(struct log *log, struct dispatch *dispatch)
 
 /* ----------------------------------------------------- the life of a dispatch */
 
-void log_sent(struct log *log, struct dispatch *dispatch, const char *receiver)
+void log_write_sent(struct log *log, struct dispatch *dispatch, const char *receiver)
 {
     struct stamp stamp = {.taken = false};
-    if (!log->messages_on) {
-        return;
-    }
     for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
         if (shows(log, which, dispatch->message)) {
             begin_line_from(log, which, dispatch);
@@ -438,10 +435,10 @@ void log_sent(struct log *log, struct dispatch *dispatch, const char *receiver)
     add_data(log, dispatch);
 }
 
-void log_queued(struct log *log, const struct dispatch *dispatch, const char *resource)
+void log_write_queued(struct log *log, const struct dispatch *dispatch, const char *resource)
 {
     struct stamp stamp = {.taken = false};
-    for (enum which_log which = LOG_TERMINAL; log->messages_on && which < N_LOGS; which++) {
+    for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
         if (shows(log, which, dispatch->message)) {
             begin_line_from(log, which, dispatch);
             text_append(&log->line, " --> Resource %-6s (Pending)", resource);
@@ -462,12 +459,9 @@ void log_request_waits(struct log *log, const struct dispatch *dispatch)
     }
 }
 
-void log_released(struct log *log, struct dispatch *dispatch)
+void log_write_released(struct log *log, struct dispatch *dispatch)
 {
     struct stamp stamp = {.taken = false};
-    if (!log->messages_on) {
-        return;
-    }
     for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
         if (shows(log, which, dispatch->message)) {
             begin_line(log, which, dispatch);
@@ -488,10 +482,10 @@ static void begin_end(struct log *log, enum which_log which, const char *how,
     add_reference(log, which, dispatch);
 }
 
-void log_done(struct log *log, const struct dispatch *dispatch)
+void log_write_done(struct log *log, const struct dispatch *dispatch)
 {
     struct stamp stamp = {.taken = false};
-    for (enum which_log which = LOG_TERMINAL; log->messages_on && which < N_LOGS; which++) {
+    for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
         if (shows(log, which, dispatch->message)) {
             begin_end(log, which, "  Done    ", dispatch);
             text_append(&log->line, ":");

@@ -77,19 +77,47 @@ void log_terminal(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 
 
 /* ----------------------------------------------------- the life of a dispatch */
 
+/* The lines themselves; what follows asks first whether any log shows message lines. */
+void log_write_sent(struct log *log, struct dispatch *dispatch, const char *receiver);
+void log_write_queued(struct log *log, const struct dispatch *dispatch, const char *resource);
+void log_write_released(struct log *log, struct dispatch *dispatch);
+void log_write_done(struct log *log, const struct dispatch *dispatch);
+
 /* Sent at once. */
-void log_sent(struct log *log, struct dispatch *dispatch, const char *receiver);
+static inline void log_sent(struct log *log, struct dispatch *dispatch, const char *receiver)
+{
+    if (log->messages_on) {
+        log_write_sent(log, dispatch, receiver);
+    }
+}
 
 /* Queued for a resource, or standing in for a handler under the message's name. */
-void log_queued(struct log *log, const struct dispatch *dispatch, const char *resource);
+static inline void log_queued(struct log *log, const struct dispatch *dispatch,
+                              const char *resource)
+{
+    if (log->messages_on) {
+        log_write_queued(log, dispatch, resource);
+    }
+}
+
+/* Sent from the queue of its resource. */
+static inline void log_released(struct log *log, struct dispatch *dispatch)
+{
+    if (log->messages_on) {
+        log_write_released(log, dispatch);
+    }
+}
+
+static inline void log_done(struct log *log, const struct dispatch *dispatch)
+{
+    if (log->messages_on) {
+        log_write_done(log, dispatch);
+    }
+}
 
 /* A request to lock or reserve has to wait. */
 void log_request_waits(struct log *log, const struct dispatch *dispatch);
 
-/* Sent from the queue of its resource. */
-void log_released(struct log *log, struct dispatch *dispatch);
-
-void log_done(struct log *log, const struct dispatch *dispatch);
 void log_failed(struct log *log, const struct dispatch *dispatch, const char *reason, int length);
 
 /* Data of a reply: in the format of a message (a response), or in one of its own. */

@@ -24,6 +24,8 @@ enum {
 #define ACCEPT_PAUSE_NS (1000 * MS_NS)
 #define LAST_WORDS_NS (1000 * MS_NS)
 
+static void write_news(struct server *server, void *context);
+
 /* ------------------------------------------------------------------ life cycle */
 
 int loop_init(struct loop *loop, struct server *server)
@@ -39,6 +41,8 @@ int loop_init(struct loop *loop, struct server *server)
         return ERR_IO;
     }
     server->poller = loop->poller;
+    server->write_news = write_news;
+    server->news_context = loop;
     if (poller_add(loop->poller, loop->waker.read_fd, READY_READ, &loop->waker) != 0) {
         return ERR_IO;
     }
@@ -53,6 +57,7 @@ void loop_fini(struct loop *loop)
     net_close_local(&loop->local);
     console_fini(&loop->console);
     loop->server->poller = NULL;
+    loop->server->write_news = NULL;
     poller_free(loop->poller);
     waker_close(&loop->waker);
 }
@@ -196,39 +201,59 @@ static void watch_writing(struct loop *loop, struct module *module, bool wanted)
     }
 }
 
-static void flush_module(struct loop *loop, struct module *module)
+/* Writes what the kernel takes. */
+static void write_to(struct loop *loop, struct module *module)
 {
-    if (module->state == MODULE_ENDED || module->deaf) {
-        return;
-    }
     const int result = link_flush(&module->link);
     if (result < 0) {
         module->deaf = true; /* what it has sent before it went is still heard */
     }
     watch_writing(loop, module, result == 1);
-    conversation_flushed(loop->server, module);
 }
 
-static void flush_list(struct loop *loop, struct list *modules)
+static void flush_module(struct loop *loop, struct module *module)
 {
-    while (!list_is_empty(modules)) {
-        struct module *module = LIST_OWNER(modules->next, struct module, in_flush);
-        list_remove(&module->in_flush);
-        module->urgent = false;
-        flush_module(loop, module);
+    if (module->state != MODULE_ENDED && !module->deaf) {
+        write_to(loop, module);
+        conversation_flushed(loop->server, module);
     }
+}
+
+/* Takes the first module off a list of those to flush. */
+static struct module *take_first(struct list *modules)
+{
+    struct module *module = LIST_OWNER(modules->next, struct module, in_flush);
+    list_remove(&module->in_flush);
+    module->urgent = false;
+    return module;
+}
+
+/*
+ * Writes new values of watched variables.  This happens in the middle of handling a
+ * frame, so nothing else may follow from it yet: the modules are flushed once more,
+ * with all consequences, at the end of the turn.
+ */
+static void write_news(struct server *server, void *context)
+{
+    struct loop *loop = context;
+    do {
+        while (!list_is_empty(&server->urgent)) {
+            struct module *module = take_first(&server->urgent);
+            list_append(&server->flush, &module->in_flush);
+            write_to(loop, module);
+        }
+    } while (watch_settle(server));
 }
 
 static void flush_all(struct loop *loop)
 {
     struct server *server = loop->server;
     do {
-        do {
-            flush_list(loop, &server->urgent);
-        } while (watch_settle(server)); /* newer values go before anybody hears anything else */
-        flush_list(loop, &server->flush);
-    } while (!list_is_empty(&server->urgent) || !list_is_empty(&server->flush) ||
-             watch_settle(server));
+        write_news(server, loop);
+        while (!list_is_empty(&server->flush)) {
+            flush_module(loop, take_first(&server->flush));
+        }
+    } while (!list_is_empty(&server->urgent) || watch_settle(server));
 }
 
 /* Lets the logs write, and has the poller tell when a full terminal takes more. */

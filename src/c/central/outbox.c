@@ -22,6 +22,10 @@ static bool is_reachable(const struct module *module)
 void outbox_queue(struct server *server, struct module *module, const struct frame *frame,
                   enum outbox_urgency urgency)
 {
+    if (urgency == OUTBOX_NORMAL && !list_is_empty(&server->urgent) &&
+        server->write_news != NULL) {
+        server->write_news(server, server->news_context);
+    }
     if (is_reachable(module)) {
         link_queue(&module->link, frame);
         remember(server, module, urgency);

@@ -2,9 +2,10 @@
  * The way out: frames queue on the links of modules, and links that have
  * something to write are remembered until the end of the turn.
  *
- * Links with a new value of a watched variable are flushed before all others: a
- * publisher that asks the kernel for what is there must find the new list of
- * subscribed messages before anybody can know that the subscription was made.
+ * New values of watched variables are written before anything else is even queued:
+ * a publisher that asks the kernel for what is there must find the new list of
+ * subscribed messages before anybody can know that the subscription was made.  Many
+ * changes in a row are still written as one.
  */
 #ifndef IPC_CENTRAL_OUTBOX_H
 #define IPC_CENTRAL_OUTBOX_H

@@ -37,6 +37,8 @@ struct server {
     uint64_t now_ns; /* monotonic, of this turn */
     uint64_t (*clock)(void);
     struct poller *poller; /* watches the sockets; NULL when there are none */
+    void (*write_news)(struct server *server, void *context); /* writes urgent links; NULL: nobody can */
+    void *news_context;
 
     struct catalogue catalogue;
     struct format_names *names;

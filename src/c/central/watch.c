@@ -35,7 +35,7 @@ static void send_value(struct server *server, struct subscription *subscription)
     struct dispatch *dispatch =
         dispatch_new(&server->dispatches, subscription->message, NULL, &frame);
     dispatch->handler = handler;
-    dispatch->uncounted = true;
+    dispatch->uncounted = handler->module->in_order;
     dispatch->block = block_ref(variable->value);
     deliver(server, dispatch, false);
     subscription->in_flight++;

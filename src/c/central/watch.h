@@ -1,8 +1,8 @@
 /*
  * Those who watch a variable get its new value, and only the newest.
  *
- * A value does not count against a module's capacity, so that it never waits
- * behind a busy module's other deliveries.  What does hold it back:
+ * A value never waits behind a busy module's other deliveries.  What does hold it
+ * back:
  *
  *   - the module is not ready;
  *   - the value before is still unsent, because the module does not read;
@@ -13,6 +13,10 @@
  *
  * A subscription that is held back is "due"; nothing else goes to its module
  * before the value, as far as the module takes it.
+ *
+ * To a library that takes in all in order a value counts nothing against the
+ * capacity.  To others it does, so that what follows waits until it is handled: a
+ * module of CMU IPC would otherwise answer what follows before it knows who listens.
  */
 #ifndef IPC_CENTRAL_WATCH_H
 #define IPC_CENTRAL_WATCH_H

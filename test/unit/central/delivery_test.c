@@ -486,6 +486,36 @@ static void a_list_goes_before_anything_that_follows_from_the_subscription(void 
     station_close(&pair.station);
 }
 
+static void other_libraries_get_nothing_before_they_have_handled_the_newest_list(void **state)
+{
+    struct pair pair;
+    struct frame first, second, frame;
+    (void)state;
+    open_pair(&pair, "M");
+    peer_set_capacity(&pair.receiver, 5);
+    watch(&pair.receiver);
+    subscribe_to_many(&pair.sender, 0, 1);
+    subscribe_to_many(&pair.sender, 1, 2);
+    publish_all(&pair, "M0");
+    assert_int_equal(names_in_update(&pair.receiver, &first), 3);
+    peer_expect_nothing(&pair.receiver);
+    peer_acknowledge(&pair.receiver, &first);
+    assert_int_equal(names_in_update(&pair.receiver, &second), 4);
+    assert_string_equal(peer_delivery(&pair.receiver, &frame), "77 M 0");
+    station_close(&pair.station);
+
+    /* With capacity 1 even the newest list has to be handled first. */
+    open_pair(&pair, "M");
+    watch(&pair.receiver);
+    subscribe_to_many(&pair.sender, 0, 1);
+    publish_all(&pair, "M0");
+    assert_int_equal(names_in_update(&pair.receiver, &first), 3);
+    peer_expect_nothing(&pair.receiver);
+    peer_acknowledge(&pair.receiver, &first);
+    peer_expect(&pair.receiver, "77 M 0");
+    close_pair(&pair);
+}
+
 static void links_with_a_list_are_flushed_first(void **state)
 {
     struct pair pair;
@@ -528,6 +558,7 @@ int main(void)
         cmocka_unit_test(a_library_that_keeps_the_order_gets_each_list_that_it_reads),
         cmocka_unit_test(lists_do_not_wait_behind_a_busy_module_s_deliveries),
         cmocka_unit_test(a_list_goes_before_anything_that_follows_from_the_subscription),
+        cmocka_unit_test(other_libraries_get_nothing_before_they_have_handled_the_newest_list),
         cmocka_unit_test(links_with_a_list_are_flushed_first),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
