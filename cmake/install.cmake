@@ -11,6 +11,9 @@ if(TARGET ipc_static)
 endif()
 if(TARGET central)
     install(TARGETS central killCentral killModule RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    # The commands find the library of their own prefix, wherever that is.
+    file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+    set_target_properties(killCentral killModule PROPERTIES INSTALL_RPATH $ORIGIN/${bin_to_lib})
 endif()
 install(FILES ${PROJECT_SOURCE_DIR}/include/ipc/ipc.h
               ${PROJECT_SOURCE_DIR}/include/ipc/ipcx.h

@@ -34,7 +34,8 @@ def test_links_to_files_lead_to_files(document):
 def test_files_that_the_map_of_the_code_names_exist():
     names = re.findall(r"`([\w./]+\.[ch])`", text_of("docs/architecture.md"))
     assert names
-    places = ["", "src/c", "src/c/libipc", "src/c/central", "src/c/platform", "test/install"]
+    places = ["", "include/ipc", "src/c", "src/c/libipc", "src/c/central", "src/c/platform",
+              "test/install"]
     missing = [name for name in names
                if not any(os.path.exists(os.path.join(ROOT, place, name)) for place in places)]
     assert not missing

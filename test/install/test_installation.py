@@ -6,7 +6,8 @@ import pytest
 from install.tools import Installation, run, tool
 
 EXPECTED = {"central", "ipc.h", "ipcx.h", "ipc.pc", "ipcConfig.cmake", "ipcConfigVersion.cmake",
-            "ipcTargets.cmake", "libipc.a", "libipc.so", "libipc.so.1", "LICENSE"}
+            "ipcTargets.cmake", "killCentral", "killModule", "libipc.a", "libipc.so", "libipc.so.1",
+            "LICENSE"}
 OUTPUT = '{1, "two"}\n'
 
 
@@ -24,6 +25,13 @@ def test_nothing_private_is_installed(installation):
 
 def test_the_installed_server_runs(installation):
     assert "command line options" in run(installation.path("central"), "-h")
+
+
+@pytest.mark.parametrize("command", ["killCentral", "killModule"])
+def test_installed_commands_find_the_library_that_was_installed_with_them(installation, command):
+    needed = run(tool("ldd"), installation.path(command))
+    assert os.path.realpath(installation.path("libipc.so.1")) in {
+        os.path.realpath(word) for word in needed.split()}
 
 
 def test_destdir_stands_before_the_prefix(build, tmp_path):
