@@ -67,7 +67,7 @@ char *format_canonical(const struct format *format);
 
 /*
  * The text as an original peer understands it: uchar becomes ubyte unless names
- * defines it.  The caller frees the result.
+ * defines it, and !* becomes *!.  The caller frees the result.
  */
 char *format_portable_text(const char *text, const struct format_names *names);
 

@@ -203,6 +203,27 @@ static struct type *parse_variable_array(struct parser *p)
     return keep_if(ok && lay_out(p, type, start), type);
 }
 
+static struct type *new_self(struct parser *p, size_t start)
+{
+    struct type *self = type_new(TYPE_SELF);
+    return keep_if(lay_out(p, self, start), self);
+}
+
+/* The manual writes the self pointer both ways round. */
+static bool at_reversed_self(const struct parser *p)
+{
+    const struct token next = token_read(p->text, p->token.position + p->token.length);
+    return at_mark(p, '!') && token_is_mark(&next, '*');
+}
+
+static struct type *parse_reversed_self(struct parser *p)
+{
+    size_t start = p->token.position;
+    advance(p);
+    advance(p);
+    return new_self(p, start);
+}
+
 /* Pointers, and self pointers where they may stand. */
 static struct type *parse_pointer(struct parser *p, bool in_structure)
 {
@@ -214,8 +235,7 @@ static struct type *parse_pointer(struct parser *p, bool in_structure)
             return NULL;
         }
         advance(p);
-        struct type *self = type_new(TYPE_SELF);
-        return keep_if(lay_out(p, self, start), self);
+        return new_self(p, start);
     }
     struct type *target = parse_format(p);
     if (target == NULL)
@@ -373,6 +393,11 @@ static struct type *parse_mark(struct parser *p, bool in_structure)
             return parse_variable_array(p);
         (void)complain(p, "var array format '<..>' not embedded within a structure '{..}'");
         return NULL;
+    case '!':
+        if (in_structure && at_reversed_self(p))
+            return parse_reversed_self(p);
+        (void)complain(p, "a different token type");
+        return NULL;
     default:
         (void)complain(p, "a different token type");
         return NULL;
@@ -445,8 +470,7 @@ int format_parse(const char *text, const struct format_names *names, struct form
 char *format_portable_text(const char *text, const struct format_names *names)
 {
     char *portable = mem_copy_string(text);
-    if (names != NULL && format_names_holds(names, "uchar"))
-        return portable;
+    const bool own_uchar = names != NULL && format_names_holds(names, "uchar");
     bool in_names = false; /* of an enumeration, where uchar stands for nothing */
     struct token before = {.kind = TOKEN_END};
     struct token token = token_read(text, 0);
@@ -455,8 +479,12 @@ char *format_portable_text(const char *text, const struct format_names *names)
             in_names = false;
         else if (token_is_name(&token, text, "enum") && token_is_mark(&before, '{'))
             in_names = true;
-        else if (!in_names && token_is_name(&token, text, "uchar"))
+        else if (!in_names && !own_uchar && token_is_name(&token, text, "uchar"))
             memcpy(portable + token.position, "ubyte", 5);
+        else if (token_is_mark(&token, '*') && token_is_mark(&before, '!')) {
+            portable[before.position] = '*';
+            portable[token.position] = '!';
+        }
         before = token;
         token = token_read(text, token.position + token.length);
     }
