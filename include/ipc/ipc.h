@@ -27,8 +27,9 @@
  * needed after the call; client data are kept as the pointer they are.  What is
  * handed out is a block of malloc, freed as the comment says.
  *
- * Names of messages and modules are not empty and compare without regard to
- * ASCII case; names of formats compare exactly.
+ * Names of messages and modules compare without regard to ASCII case, names of
+ * formats exactly.  A message's name has 1 to 1024 bytes; a longer one is
+ * IPC_Argument_Out_Of_Range.
  *
  * Times are milliseconds.
  */
@@ -261,7 +262,7 @@ extern fd_set IPC_getConnections(void);
  * Errors: IPC_Null_Argument (msgName), IPC_Not_Connected,
  * IPC_Mismatched_Formatter (length and format), IPC_Illegal_Formatter,
  * IPC_Argument_Out_Of_Range (length, or too long a name), IPC_Communication_Error.
- * Waits: for central if a fixed-length format uses a named format not yet known.
+ * Waits: for central if the format uses a named format that is not known here.
  */
 extern IPC_RETURN_TYPE IPC_defineMsg(const char *msgName, unsigned int length,
                                      const char *formatString);
@@ -305,7 +306,7 @@ extern IPC_RETURN_TYPE IPC_publishFixed(const char *msgName, BYTE_ARRAY content)
  * subscriptions.
  * Errors: IPC_Null_Argument (msgName, handler), IPC_Not_Connected,
  * IPC_Communication_Error.
- * Waits: until central has the subscription, when the connection allows it.
+ * Waits: until central has the subscription.
  */
 extern IPC_RETURN_TYPE IPC_subscribe(const char *msgName, HANDLER_TYPE handler, void *clientData);
 
