@@ -27,7 +27,8 @@ class Mix:
 
 @pytest.fixture(params=MIXES)
 def mix(request, pytestconfig):
-    """All eight combinations of first module, second module and central; needs the originals for seven."""
+    """All eight combinations of first module, second module and central; needs the originals for
+    seven."""
     def get(name):
         return lambda: request.getfixturevalue(name)
     if pytestconfig.ipc_central_is_original and request.param.endswith("ours"):

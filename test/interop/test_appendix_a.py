@@ -1,4 +1,5 @@
-"""The conversation of Appendix A of the manual, by our examples, in every mix of ours and theirs."""
+"""The conversation of Appendix A of the manual, by our examples, in every mix of ours and
+theirs."""
 import os
 import re
 

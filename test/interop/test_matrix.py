@@ -8,14 +8,15 @@ from support.waiting import SLOW, wait_until
 
 
 def settle(*drivers):
-    """Lets modules take in updates of the list of subscribed messages, which originals need to publish.
+    """Lets modules take in updates of the list of subscribed messages, which originals need to
+    publish.
 
     A round trip first, so that central has handled everything the module has sent.
     """
     for driver in drivers:
         driver.do("is_defined", "settled")
     for driver in drivers:
-        driver.do("listen_clear", 60)
+        driver.do("listen_clear", 25)
 
 
 def test_raw_messages_of_all_lengths(pair):

@@ -1,4 +1,5 @@
-"""The original's own test programs, compiled unchanged: with our library they print what they print with theirs."""
+"""The original's own test programs, compiled unchanged: with our library they print what they
+print with theirs."""
 import collections
 import os
 import re
@@ -124,8 +125,8 @@ def test_module1_and_module2(both, start_program, original_tests):
     printed = {}
     for who, (library, central) in both.items():
         module1, module2 = converse(start_program, original_tests, library, library, central)
-        # Messages and notices come through one queue, but the keyboard does not.  How many handlers there are
-        # while a module connects depends on how fast it is.
+        # Messages and notices come through one queue, but the keyboard does not.  How many handlers
+        # there are while a module connects depends on how fast it is.
         notices = [line for line in masked(module1.stderr) if "Number of handlers" not in line]
         printed[who] = (sorted(masked(module1.stdout)), masked(module2.stdout),
                         sorted(notices), masked(module2.stderr))
@@ -159,8 +160,8 @@ def handled_in(lines):
 def test_ipc_test_1(both, start_program, original_tests):
     """ipcTest1: the whole basic interface in one module.
 
-    Theirs loses what it publishes right after it has subscribed, now and then, and may answer the query with the
-    time-out of 0 in time; ours handles everything that theirs handles.
+    Theirs loses what it publishes right after it has subscribed, now and then, and may answer the
+    query with the time-out of 0 in time; ours handles everything that theirs handles.
     """
     programs = {who: start_program(os.path.join(original_tests, "ipcTest1.c"), library, central)
                 for who, (library, central) in both.items()}

@@ -12,8 +12,8 @@ DIRECTORY = os.path.join(os.path.dirname(os.path.dirname(__file__)), "wire", "ca
 class Line:
     """One thing that happened on one connection.
 
-    kind is "connect", "prelude" (value: the id), "frame", "shutdown" or "close"; direction is ">" from the
-    connecting side and "<" to it.
+    kind is "connect", "prelude" (value: the id), "frame", "shutdown" or "close"; direction is ">"
+    from the connecting side and "<" to it.
     """
 
     tag: str
@@ -48,7 +48,8 @@ class Capture:
 
     @staticmethod
     def _records(file):
-        """Words of each record; the bytes of continuation lines are joined to the hex of the first."""
+        """Words of each record; the bytes of continuation lines are joined to the hex of the
+        first."""
         record = None
         for line in file:
             text = line.split("#", 1)[0].rstrip()

@@ -1,15 +1,16 @@
 """Plays the modules of a capture against a central and compares what that central sends.
 
-Every frame that a module sent is sent again, in the recorded order over all connections, after everything that
-had reached its connection before has arrived.  Between frames on different connections the central is given the time
-to handle the first one, so that the recorded order is also the order in which it acts.
+Every frame that a module sent is sent again, in the recorded order over all connections, after
+everything that had reached its connection before has arrived.  Between frames on different
+connections the central is given the time to handle the first one, so that the recorded order is
+also the order in which it acts.
 
 Message ids and dispatch ids are mapped; the rest has to agree.  What a central may do differently:
 
 * announce another minor version,
 * put the message name into the class data of deliveries for longer than the original does,
-* send fewer updates of the list of subscribed messages (the last one has to be right) and any pointer in the
-  variables with log options.
+* send fewer updates of the list of subscribed messages (the last one has to be right) and any
+  pointer in the variables with log options.
 """
 import itertools
 import socket

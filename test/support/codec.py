@@ -6,8 +6,8 @@ A format is a nested tuple, None for "no format":
     ("pointer", target)        ("array", item, dims)     ("varray", item, member indexes)
     ("enum", largest, names)   ("named", name)           ("bad",)
 
-The target of a self pointer is None.  Values are numbers, strings (None when empty),
-bytes for runs of byte and char, tuples for structures, lists for arrays, None or the value for pointers,
+The target of a self pointer is None.  Values are numbers, strings (None when empty), bytes for
+runs of byte and char, tuples for structures, lists for arrays, None or the value for pointers,
 and such tuples as above where the format is "format".
 """
 import functools

@@ -113,9 +113,11 @@ class Driver(Process):
         return self.until(int(self.do("events").result) + count, seconds)
 
     def gather(self, count, seconds=None):
-        """Listens until count events more than have been gathered before have been handled; returns them.
+        """Listens until count events more than have been gathered before have been handled;
+        returns them.
 
-        Unlike listen_for() it counts events that were handled during other commands, as originals do.
+        Unlike listen_for() it counts events that were handled during other commands, as originals
+        do.
         """
         self._gathered += count
         self.until(self._gathered, seconds)

@@ -1,7 +1,8 @@
 """A hand-made central: records what a library sends and answers as told.
 
-It has message ids of its own, always puts the message name into the class data of deliveries (or follows the
-scheme of the original, on request), routes nothing by itself, and can be slow, send in pieces, or be wrong in any way.
+It has message ids of its own, always puts the message name into the class data of deliveries (or
+follows the scheme of the original, on request), routes nothing by itself, and can be slow, send
+in pieces, or be wrong in any way.
 """
 import itertools
 import os
@@ -12,7 +13,6 @@ import threading
 from support import codec, messages
 from support.frame import (BROADCAST, Cutter, Frame, HANDLER_ONLY, IS_REPLY, QUERY, REPLY, SUCCESS,
                            class_name)
-from support.peer import Delivery
 from support.waiting import Deadline, TimedOut, wait_until
 
 #: What an answer function returns to keep silent.
@@ -20,7 +20,8 @@ SILENCE = object()
 
 
 class Received:
-    """A frame from the library, with the message's name and, for library messages, the decoded data."""
+    """A frame from the library, with the message's name and, for library messages, the decoded
+    data."""
 
     def __init__(self, frame, name, value):
         self.frame, self.name, self.value = frame, name, value

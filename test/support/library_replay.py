@@ -1,11 +1,13 @@
 """Plays central's side of one connection of a capture against a module on a library.
 
-The module carries out commands of its own; this central answers its requests with the recorded bytes, sends the
-recorded deliveries and responses, and compares what the module sends with what the original library sent.
+The module carries out commands of its own; this central answers its requests with the recorded
+bytes, sends the recorded deliveries and responses, and compares what the module sends with what
+the original library sent.
 
-Handler ids and references are the library's own and are mapped; addresses inside handler names are ignored.  A
-library may leave look-ups and class formats out, the limit for the list of subscribed messages, which has no effect,
-and the repetition of a subscription that holds; it may take its handshake in another order, and name another host.
+Handler ids and references are the library's own and are mapped; addresses inside handler names
+are ignored.  A library may leave look-ups and class formats out, the limit for the list of
+subscribed messages, which has no effect, and the repetition of a subscription that holds; it may
+take its handshake in another order, and name another host.
 """
 import re
 

@@ -127,7 +127,8 @@ static void fill_sequence(unsigned char *content, size_t size, uint32_t number, 
     memcpy(content, head, size < sizeof head ? size / 4 * 4 : sizeof head);
 }
 
-static bool is_intact(const unsigned char *content, size_t size, uint32_t number, uint32_t publisher)
+static bool is_intact(const unsigned char *content, size_t size, uint32_t number,
+                      uint32_t publisher)
 {
     unsigned char expected = (unsigned char)((number * 31 + publisher) & 0xff);
     for (size_t i = 8; i < size; i++) {
@@ -529,8 +530,8 @@ static void command_query(char **words, int count)
     char *text = words[2];
     unsigned int limit = count > 3 ? (unsigned int)strtoul(words[3], NULL, 10) : 5000;
     void *reply = NULL;
-    IPC_RETURN_TYPE result = IPC_queryResponse(
-        words[1], text ? (unsigned int)strlen(text) + 1 : 0, text, &reply, limit);
+    IPC_RETURN_TYPE result =
+        IPC_queryResponse(words[1], text ? (unsigned int)strlen(text) + 1 : 0, text, &reply, limit);
 
     if (result == IPC_OK) {
         printf("= OK ");
@@ -593,16 +594,16 @@ static MSG_INSTANCE take_delayed(void)
 static void command_respond(char **words, int count)
 {
     char *text = count > 2 ? words[2] : NULL;
-    print_result(IPC_respond(take_delayed(), words[1],
-                             text ? (unsigned int)strlen(text) + 1 : 0, text));
+    print_result(
+        IPC_respond(take_delayed(), words[1], text ? (unsigned int)strlen(text) + 1 : 0, text));
 }
 
 static void command_respond_data(char **words, int count)
 {
     union value value;
     int items[ELEMENTS];
-    print_result(IPC_respondData(take_delayed(), words[1],
-                                 value_of(words + 2, count - 2, &value, items)));
+    print_result(
+        IPC_respondData(take_delayed(), words[1], value_of(words + 2, count - 2, &value, items)));
 }
 
 static void command_listen(char **words, int count)
@@ -901,7 +902,7 @@ static void execute(char *line)
     fflush(stdout);
 }
 
-/* Reads what there is, waiting for a first byte, and executes the complete lines: false at the end. */
+/* Waits for input and executes the lines that are complete: false at the end. */
 static bool execute_input(void)
 {
     ssize_t got = read(0, driver.line + driver.filled, sizeof driver.line - driver.filled - 1);

@@ -55,9 +55,9 @@ class Delivery:
 class Peer:
     """One connection to a central.
 
-    order is the byte order in which the module writes.  piece, when set, is the number of bytes that go out at
-    a time.  Frames that arrive are sorted: replies wait for whoever asks for their reference, everything else
-    waits in line for next_delivery().
+    order is the byte order in which the module writes.  piece, when set, is the number of bytes
+    that go out at a time.  Frames that arrive are sorted: replies wait for whoever asks for their
+    reference, everything else waits in line for next_delivery().
     """
 
     def __init__(self, central, name="PEER", *, host="robot", order="<", unix=False, piece=None):
@@ -224,7 +224,8 @@ class Peer:
         return codec.decode(message.reply, frame.data, frame.order)
 
     def request(self, name, value=None):
-        """A library message of class query and its decoded answer; None for an answer without data."""
+        """A library message of class query and its decoded answer; None for an answer without
+        data."""
         return self.finish_request(self.start_request(name, value), name)
 
     def notice(self, name, value=None, *, data=None):
@@ -236,8 +237,8 @@ class Peer:
         self.send(Frame(INFORM, intent, data, reference=self.next_reference(), order=self.order))
 
     def sync(self):
-        """Returns when central has handled everything that this module has sent, and everything that it sent
-        to this module before is here."""
+        """Returns when central has handled everything that this module has sent, and everything
+        that it sent to this module before is here."""
         self.look_up("x_ipc_waitMsg")
 
     # ------------------------------------------------------------- handshake

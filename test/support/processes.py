@@ -23,8 +23,8 @@ started = []
 class Process:
     """A running program whose output is collected line by line.
 
-    With terminal=True its standard output is a terminal, so that programs that leave the buffering to stdio
-    write whole lines.
+    With terminal=True its standard output is a terminal, so that programs that leave the
+    buffering to stdio write whole lines.
     """
 
     def __init__(self, arguments, *, stdin=subprocess.DEVNULL, env=None, cwd=None,

@@ -63,8 +63,9 @@ def test_every_recorded_library_message_decodes_and_encodes_to_the_same_bytes(na
 
 @pytest.mark.parametrize("name", REPLAYED)
 def test_central_answers_recorded_modules_as_the_original_did(name, recorded, start_central):
-    """Requirements 5, 10-12, 17-25, 27-37, 43-47 (and 38-41 seen from central): plays the modules' side of a
-    recording against the central under test and compares every frame that it sends."""
+    """Requirements 5, 10-12, 17-25, 27-37, 43-47 (and 38-41 seen from central): plays the
+    modules' side of a recording against the central under test and compares every frame that it
+    sends."""
     ports = {c.port for c in recorded[name].connections.values() if not c.direct}
     options = ["-c"] if name in DIRECT else []
     centrals = [start_central(*options) for _ in ports]

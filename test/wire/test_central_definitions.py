@@ -175,7 +175,8 @@ def test_a_message_may_be_subscribed_to_before_it_is_defined(join):
 
 
 def test_the_first_handler_id_of_a_handler_name_remains_valid(join):
-    """Requirement 19: repetitions carry id 0, also after the handler was deregistered in between."""
+    """Requirement 19: repetitions carry id 0, also after the handler was deregistered in
+    between."""
     receiver, sender = join("R"), join("S")
     sender.define("M")
     receiver.subscribe("M", 198, "HND-M1")
@@ -331,8 +332,9 @@ def test_a_variable_can_be_registered_set_read_and_watched(join):
 
 @pytest.mark.new_central("it makes no such promise")
 def test_the_news_of_a_subscription_has_gone_out_when_the_subscription_is_complete(join):
-    """Design 9: whoever has no delivery unfinished has the update in its socket before the subscriber's next
-    question is answered, so that a publisher can rely on what its socket holds."""
+    """Design 9: whoever has no delivery unfinished has the update in its socket before the
+    subscriber's next question is answered, so that a publisher can rely on what its socket
+    holds."""
     watcher, receiver = join("W"), join("R")
     watcher.subscribe(messages.WATCH_BROADCASTS, 199, messages.WATCH_BROADCASTS)
     watcher.sync()

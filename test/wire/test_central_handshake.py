@@ -105,7 +105,8 @@ def test_central_understands_requests_in_either_byte_order(order, join):
 
 @pytest.mark.parametrize("order, nibble", [("<", "<"), (">", ">")])
 def test_central_keeps_class_and_data_order_of_a_publication(order, nibble, join):
-    """Requirement 8: class words 0x2200000f and 0x2100000f: class data in central's order, data as it came."""
+    """Requirement 8: class words 0x2200000f and 0x2100000f: class data in central's order, data
+    as it came."""
     receiver, sender = join("R"), join("S", order=order)
     receiver.subscribe("M", 5)
     receiver.sync()
@@ -221,7 +222,8 @@ def test_central_answers_class_formats(cls, join):
 
 @pytest.mark.parametrize("name", sorted(messages.LIBRARY))
 def test_central_describes_each_of_its_messages(name, join):
-    """Requirement 12, section 4: class and formats of every library message, under both of its names."""
+    """Requirement 12, section 4: class and formats of every library message, under both of its
+    names."""
     message = messages.LIBRARY[name]
     peer = join("M")
     for known in filter(None, (name, message.alias)):
@@ -321,7 +323,8 @@ def test_a_module_that_stops_waiting_no_longer_counts(stack, start_central):
 
 
 def test_a_module_is_connected_from_its_introduction_to_its_end(stack, central, join):
-    """Section 4.1: x_ipc_moduleConnectedQ, without regard to case; central counts as X_IPC Server."""
+    """Section 4.1: x_ipc_moduleConnectedQ, without regard to case; central counts as X_IPC
+    Server."""
     observer = join("O")
     peer = stack.enter_context(Peer(central, "Robot"))
     peer.read_prelude()

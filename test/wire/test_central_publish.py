@@ -245,7 +245,8 @@ def test_limits_as_the_programming_interface_describes_them(capacity, limit, exp
 
 
 def test_a_limited_message_does_not_lose_its_turn(join):
-    """Section 5.5: the others move up one place each and the new one takes the newest one's place."""
+    """Section 5.5: the others move up one place each and the new one takes the newest one's
+    place."""
     receiver, sender = join("R"), join("S")
     for name in ("hi", "mid", "lo"):
         sender.define(name)
@@ -289,7 +290,8 @@ def test_a_limit_of_the_whole_resource_drops_its_first_entry(join):
     ({"L": 1, "H": 9}, "N0 N1 L2 H3 N4 L5 H6", "N0 H3 H6 L2 L5 N1 N4"),
     ({"B": 0}, "A0 A1 B2 C3 B4", "A0 B2 B4 A1 C3")])
 def test_priorities_order_what_waits(priorities, sent, expected, join):
-    """Requirement 28, second and third observed sequence: unset is below 0, equals in order of arrival."""
+    """Requirement 28, second and third observed sequence: unset is below 0, equals in order of
+    arrival."""
     receiver, sender = join("R"), join("S")
     for name in sorted({item[0] for item in sent.split()}):
         sender.define(name)

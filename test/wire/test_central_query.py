@@ -33,7 +33,8 @@ def assert_silent(peer, *others):
 
 
 def test_a_query_reaches_the_handler_and_its_response_the_asker(asker, server):
-    """Requirement 33: class data, data and class word as the server sent them, intent -4, reference of the query."""
+    """Requirement 33: class data, data and class word as the server sent them, intent -4,
+    reference of the query."""
     reference = asker.query_number("Q", 21)
     delivery = server.next_delivery()
     assert delivery.frame.cls == QUERY

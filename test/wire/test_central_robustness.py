@@ -1,7 +1,7 @@
 """Whatever one connection sends, central and everybody else go on (section 13).
 
-Every row of 13.1 is sent while two healthy hand-made modules exchange numbered messages; the checks of 13.3
-decide what becomes of the connection that sent it.
+Every row of 13.1 is sent while two healthy hand-made modules exchange numbered messages; the
+checks of 13.3 decide what becomes of the connection that sent it.
 """
 import itertools
 import random
@@ -682,7 +682,8 @@ def test_more_than_a_thousand_connections_are_served(stack, central, pair):
 
 
 def test_a_subscriber_that_does_not_read_holds_nobody_up(stack, central, pair):
-    """13.1: large capacity, socket buffer full; when it reads at last it gets everything in order."""
+    """13.1: large capacity, socket buffer full; when it reads at last it gets everything in
+    order."""
     lazy, sender = (stack.enter_context(Peer(central, name)).connect()
                     for name in ("LAZY", "SENDER"))
     lazy.set_capacity(100000)

@@ -1,5 +1,5 @@
-"""The guarantee: a publication that begins after a subscription has returned is delivered, and the messages of
-one publisher arrive in order.  Library and central under test together."""
+"""The guarantee: a publication that begins after a subscription has returned is delivered, and
+the messages of one publisher arrive in order.  Library and central under test together."""
 import os
 import signal
 import socket
@@ -84,10 +84,10 @@ def test_every_subscriber_gets_everything(connected):
 
 @pytest.mark.parametrize("publisher_host", ["localhost", HOST], ids=["tcp", "unix"])
 @pytest.mark.parametrize("subscriber_host", ["localhost", HOST], ids=["tcp", "unix"])
-def test_nothing_is_lost_between_subscribing_and_publishing(subscriber_host, publisher_host, central,
-                                                           start_driver, tmp_path):
-    """500 races of two processes: the publisher, which never listens, is told by a byte in a pipe the moment
-    that IPC_subscribe has returned, and publishes at once."""
+def test_nothing_is_lost_between_subscribing_and_publishing(
+        subscriber_host, publisher_host, central, start_driver, tmp_path):
+    """500 races of two processes: the publisher, which never listens, is told by a byte in a pipe
+    the moment that IPC_subscribe has returned, and publishes at once."""
     rounds = 500
     fifo = str(tmp_path / "race")
     os.mkfifo(fifo)

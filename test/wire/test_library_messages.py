@@ -1,4 +1,5 @@
-"""The library's side of publishing, subscribing and queries (requirements 7, 18, 19, 25, 26, 29, 31, 32)."""
+"""The library's side of publishing, subscribing and queries (requirements 7, 18, 19, 25, 26, 29,
+31, 32)."""
 import socket
 import struct
 import time
@@ -55,7 +56,8 @@ def test_published_data_is_marshalled_in_the_own_byte_order(fmt, words, value, s
 
 @pytest.fixture
 def local(start_driver):
-    """A driver that is connected by Unix socket, the hand-made central, and its end of the connection.
+    """A driver that is connected by Unix socket, the hand-made central, and its end of the
+    connection.
 
     Over TCP a library may send more than it has to, since it cannot know what is on its way.
     """
@@ -127,7 +129,8 @@ def test_publishing_under_another_spelling_works(start_driver):
 
 
 def test_subscriptions_carry_a_handler_id_and_a_name_of_their_own(driver, connection):
-    """Section 4.2: two functions, two handlers; a message may be subscribed to before it is defined."""
+    """Section 4.2: two functions, two handlers; a message may be subscribed to before it is
+    defined."""
     driver.must("subscribe", "M", 0)
     driver.must("subscribe", "M", 1)
     driver.must("subscribe", "N", 0)
@@ -188,7 +191,8 @@ def test_messages_are_handled_with_and_without_class_data(original_scheme, start
 
 
 def test_every_delivery_is_acknowledged_exactly_once(driver, connection):
-    """Requirement 26: header only, class 12, parent and dispatch are the dispatch id, 0 included."""
+    """Requirement 26: header only, class 12, parent and dispatch are the dispatch id, 0
+    included."""
     driver.must("define", "M", "variable")
     driver.must("subscribe", "M")
     dispatches = [connection.deliver("M", str(number).encode()) for number in range(5)]
@@ -246,7 +250,8 @@ def test_a_delivery_for_a_removed_handler_is_acknowledged_and_dropped(driver, co
 
 @pytest.mark.new_library("it never acknowledges what it drops")
 def test_what_the_queue_limit_drops_is_acknowledged_too(driver, connection):
-    """Requirement 26: queue length 2 and eight messages at once: 6 and 7 are handled, all are acknowledged."""
+    """Requirement 26: queue length 2 and eight messages at once: 6 and 7 are handled, all are
+    acknowledged."""
     driver.must("define", "M", "variable")
     driver.must("subscribe", "M")
     driver.must("capacity", 100)
@@ -318,7 +323,8 @@ def test_a_fixed_length_message_is_delivered_as_it_is(driver, connection):
 
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize("fmt, value, printed", [
-    ("int", 0x12345678, "305419896"), ("{int, double, string}", (7, 2.5, "abc"), '{7, 2.50, "abc"}'),
+    ("int", 0x12345678, "305419896"),
+    ("{int, double, string}", (7, 2.5, "abc"), '{7, 2.50, "abc"}'),
     ("{short, ushort, uint}", (-2, 65535, 4000000000), "{-2, 65535, 4000000000}"),
     ("{int, <int:1>}", (3, [1, 2, 3]), "{3, <1, 2, 3>}"), ("[int:2,3]", list(range(6)),
                                                           "[[0, 1, 2], [3, 4, 5]]"),

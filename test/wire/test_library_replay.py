@@ -33,7 +33,8 @@ SCRIPTS = {
     ("06-named-formats.txt", "D"): [
         ("format", "point", "{int,int}"), ("format", "seg", "{point,point}"),
         ("define", "SEG", "variable", "seg"), ("define", "RAWV", "variable"),
-        ("define", "FIX4", 4, "int"), ("define", "ZERO", 0), ("define", "STR", "variable", "string"),
+        ("define", "FIX4", 4, "int"), ("define", "ZERO", 0),
+        ("define", "STR", "variable", "string"),
         ("define", "EN", "variable", "{{enum A,B,C},[double:3],{enum :300},*int}"),
         ("define", "LIST", "variable", "{int,*!}"), ("listen_wait", 300)],
     ("06-named-formats.txt", "U"): [
@@ -90,7 +91,8 @@ SEEN = {
 
 @pytest.mark.parametrize("name, tag", SCRIPTS, ids=lambda part: part)
 def test_a_module_sends_what_the_original_sent(name, tag, start_driver, stack):
-    """Requirements 7, 9, 19, 26, 29, 31, 32: every frame but look-ups and handshake, byte for byte."""
+    """Requirements 7, 9, 19, 26, 29, 31, 32: every frame but look-ups and handshake, byte for
+    byte."""
     capture = captures.Capture(name)
     central = stack.enter_context(RecordedCentral(capture, tag))
     module = capture.connections[tag].module

@@ -1,7 +1,8 @@
-"""Whatever central sends, a module neither crashes nor hangs (sections 13.2 and 13.3, api-behaviour 4.1).
+"""Whatever central sends, a module neither crashes nor hangs (sections 13.2 and 13.3,
+api-behaviour 4.1).
 
-A central that breaks the protocol is a lost connection: the module that listens ends with status 255, or the call
-returns an error.  Content that does not decode costs that one message.
+A central that breaks the protocol is a lost connection: the module that listens ends with status
+255, or the call returns an error.  Content that does not decode costs that one message.
 """
 import contextlib
 import random
@@ -13,7 +14,7 @@ import pytest
 from support import codec, messages
 from support.driver import Driver, Ended, SOURCE, data_in, texts_in
 from support.fake_central import FakeCentral, SILENCE
-from support.frame import BROADCAST, Frame, IS_REPLY, QUERY, REPLY, SUCCESS, class_name
+from support.frame import BROADCAST, Frame, IS_REPLY, REPLY, SUCCESS, class_name
 from support.waiting import SLOW
 
 pytestmark = pytest.mark.new_library("it crashes, exits or hangs")
@@ -22,7 +23,8 @@ LOST = "lost connection"
 
 
 def outcome(driver, *command, seconds=None):
-    """What comes of a command: its answer, or LOST when the module reports and ends as it should."""
+    """What comes of a command: its answer, or LOST when the module reports and ends as it
+    should."""
     driver.start(*command)
     try:
         answer = driver.finish(seconds)
@@ -516,7 +518,8 @@ HARMLESS_HANDSHAKES = {
 
 @pytest.fixture(scope="module")
 def handshakes(compiler, library):
-    """All bad handshakes at once, since each of them takes five seconds; by name: central and module."""
+    """All bad handshakes at once, since each of them takes five seconds; by name: central and
+    module."""
     with contextlib.ExitStack() as exits:
         program = compiler.program(SOURCE, library, flags=["-std=c99",
                                                            "-D_POSIX_C_SOURCE=200809L"])
