@@ -352,23 +352,25 @@ static void turn(struct loop *loop)
     resume_accepting(loop);
 }
 
-/* Gives modules that read a last chance to get what is on its way to them. */
-static void say_last_words(struct loop *loop)
+/* Writes what modules and logs take; returns how many bytes are left. */
+static uint64_t write_rest(struct loop *loop)
 {
     struct server *server = loop->server;
-    const uint64_t end = server->clock() + LAST_WORDS_NS;
-    for (;;) {
-        uint64_t unsent = 0;
-        struct list *at, *following;
-        LIST_EACH(at, following, &server->modules) {
-            struct module *module = LIST_OWNER(at, struct module, in_server);
-            flush_module(loop, module);
-            unsent += module->deaf ? 0 : link_waiting(&module->link);
-        }
-        const uint64_t now = server->clock();
-        if (unsent == 0 || now >= end) {
-            return;
-        }
+    struct list *at, *following;
+    log_flush(&server->log);
+    uint64_t unsent = sink_waiting(&server->log.terminal);
+    LIST_EACH(at, following, &server->modules) {
+        struct module *module = LIST_OWNER(at, struct module, in_server);
+        flush_module(loop, module);
+        unsent += module->deaf ? 0 : link_waiting(&module->link);
+    }
+    return unsent;
+}
+
+void loop_say_last_words(struct loop *loop)
+{
+    const uint64_t end = clock_ns() + LAST_WORDS_NS;
+    while (write_rest(loop) > 0 && clock_ns() < end) {
         (void)ready_wait(NULL, 0, LAST_WORDS_PAUSE_MS);
     }
 }
@@ -381,5 +383,4 @@ void loop_run(struct loop *loop)
     while (loop->signal == 0 && !loop->console.wants_to_quit) {
         turn(loop);
     }
-    say_last_words(loop);
 }

@@ -37,4 +37,7 @@ int loop_listen(struct loop *loop);
 /* Serves until a command or a signal ends it. */
 void loop_run(struct loop *loop);
 
+/* Gives those who read a last chance to get what is on its way to them: a second at most. */
+void loop_say_last_words(struct loop *loop);
+
 #endif

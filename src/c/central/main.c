@@ -110,6 +110,7 @@ static void serve(struct server *server, struct loop *loop)
     } else if (!server->options->silent) {
         (void)fputs("Central Quit\n", stderr);
     }
+    loop_say_last_words(loop);
 }
 
 static int run(struct options *options)

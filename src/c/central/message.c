@@ -134,16 +134,18 @@ void message_define_internal(struct message_registry *registry, struct message *
     message->parsed = true;
 }
 
-/* The format of a text; the bad one if it is illegal. */
+/* The format of a text, in whatever notation; the bad one if it is illegal. */
 static struct format *parse(const char *text, const struct format_names *names)
 {
     struct format *format = NULL;
     if (text == NULL || text[0] == '\0') {
         return NULL;
     }
-    if (strlen(text) > LIMIT_FORMAT_TEXT || format_parse(text, names, &format, NULL) != 0) {
-        return format_ref(format_bad());
+    char *portable = format_portable_text(text, names);
+    if (strlen(text) > LIMIT_FORMAT_TEXT || format_parse(portable, names, &format, NULL) != 0) {
+        format = format_ref(format_bad());
     }
+    free(portable);
     return format;
 }
 
