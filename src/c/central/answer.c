@@ -14,8 +14,8 @@ static void send(struct server *server, const struct dispatch *request, const ui
                  size_t length, enum byte_order order)
 {
     struct frame frame;
-    const struct log_reply reply = {SERVER_NAME, bytes, length, order, NULL,
-                                    request->message->content};
+    const struct log_reply reply = {SERVER_NAME, bytes, length,
+                                    order,       NULL,  request->message->content};
     log_replied(&server->log, request, &reply);
     frame_init(&frame, CLASS_NONE);
     frame.data = bytes;

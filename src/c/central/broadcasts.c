@@ -10,8 +10,8 @@
 
 bool broadcasts_put(struct server *server, struct message *message, size_t n_subscriptions)
 {
-    const bool belongs = n_subscriptions > 0 &&
-                         (!message_is_defined(message) || message->class == CLASS_BROADCAST);
+    const bool belongs =
+        n_subscriptions > 0 && (!message_is_defined(message) || message->class == CLASS_BROADCAST);
     if (belongs == message->listed) {
         return false;
     }

@@ -10,8 +10,7 @@
 static enum resource_state wanted_by(const struct dispatch *request)
 {
     const enum library_message service = request->message->service;
-    return service == LM_LOCK || service == LM_LOCK_OF_MODULE ? RESOURCE_LOCKED
-                                                              : RESOURCE_RESERVED;
+    return service == LM_LOCK || service == LM_LOCK_OF_MODULE ? RESOURCE_LOCKED : RESOURCE_RESERVED;
 }
 
 static bool can_grant(const struct resource *resource, const struct dispatch *request)
@@ -40,8 +39,8 @@ void claim_refuse(struct server *server, struct dispatch *request)
 void claim_enter(struct server *server, struct dispatch *request, struct resource *resource)
 {
     struct module *module = request->sender;
-    const bool again = resource->state == RESOURCE_RESERVED &&
-                       resource->claim->sender == module && wanted_by(request) == RESOURCE_RESERVED;
+    const bool again = resource->state == RESOURCE_RESERVED && resource->claim->sender == module &&
+                       wanted_by(request) == RESOURCE_RESERVED;
     if (again || module->n_claims >= LIMIT_CLAIMS) {
         claim_refuse(server, request);
         return;

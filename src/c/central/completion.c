@@ -49,8 +49,9 @@ static void relay(struct server *server, struct module *asker, const struct disp
 static void respond(struct server *server, struct module *module, struct dispatch *dispatch,
                     const struct frame *frame)
 {
-    struct log_reply reply = {module->name, frame->data, frame->data_length,
-                              (enum byte_order)frame->data_order, NULL, NULL};
+    struct log_reply reply = {
+        module->name, frame->data, frame->data_length, (enum byte_order)frame->data_order,
+        NULL,         NULL};
     if (dispatch->class != CLASS_QUERY) {
         log_done(&server->log, dispatch);
     } else if (frame->class_length == 0) {

@@ -12,7 +12,7 @@
 
 struct console {
     struct server *server;
-    struct buffer line;   /* what has come of the next line */
+    struct buffer line; /* what has come of the next line */
     bool line_is_too_long;
     bool wants_to_quit;
 };

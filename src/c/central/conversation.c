@@ -34,8 +34,7 @@ void conversation_end_input(struct server *server, struct module *module)
 
 void conversation_read(struct server *server, struct module *module)
 {
-    if (module->state == MODULE_ENDED || module->input_ended ||
-        !list_is_empty(&module->in_input)) {
+    if (module->state == MODULE_ENDED || module->input_ended || !list_is_empty(&module->in_input)) {
         return;
     }
     const int n = link_read(&module->link, NULL);
@@ -83,8 +82,7 @@ static void say_misused(struct server *server, const struct module *module,
 }
 
 /* A frame of class query, inform or broadcast. */
-static void handle_message(struct server *server, struct module *module,
-                           const struct frame *frame)
+static void handle_message(struct server *server, struct module *module, const struct frame *frame)
 {
     /* Modules in direct mode use the negative number where a message goes through central. */
     const int64_t id = frame->intent < 0 ? -(int64_t)frame->intent : frame->intent;
@@ -165,16 +163,16 @@ static void end_for_bad_frame(struct server *server, struct module *module)
     uint8_t header[FRAME_HEADER_SIZE];
     char reason[200];
     frame_write_header(frame, header);
-    (void)snprintf(reason, sizeof reason,
-                   "%s (header %08lx %08lx %08lx %08lx %08lx %08lx %08lx)", reader->violation,
-                   (unsigned long)load_be32(header), (unsigned long)load_be32(header + 4),
-                   (unsigned long)load_be32(header + 8), (unsigned long)load_be32(header + 12),
-                   (unsigned long)load_be32(header + 16), (unsigned long)load_be32(header + 20),
-                   (unsigned long)load_be32(header + 24));
+    (void)snprintf(reason, sizeof reason, "%s (header %08lx %08lx %08lx %08lx %08lx %08lx %08lx)",
+                   reader->violation, (unsigned long)load_be32(header),
+                   (unsigned long)load_be32(header + 4), (unsigned long)load_be32(header + 8),
+                   (unsigned long)load_be32(header + 12), (unsigned long)load_be32(header + 16),
+                   (unsigned long)load_be32(header + 20), (unsigned long)load_be32(header + 24));
     ending_for_violation(server, module, reason);
 }
 
-/* The next frame: true, or false when there is none, because of which the connection may have ended. */
+/* The next frame: true, or false when there is none, because of which the connection may have
+ * ended. */
 static bool next_frame(struct server *server, struct module *module, struct frame *frame)
 {
     const int result = reader_next(&module->link.reader, frame);

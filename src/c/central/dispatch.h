@@ -44,15 +44,16 @@ struct dispatch {
     int32_t parent;     /* as sent */
     int32_t reference;  /* the sender's own number for it */
     struct message *message;
-    struct module *sender;    /* a reference; NULL: the server itself */
-    struct handler *handler;  /* NULL for requests to the server and while waiting */
+    struct module *sender;     /* a reference; NULL: the server itself */
+    struct handler *handler;   /* NULL for requests to the server and while waiting */
     struct resource *resource; /* of pending, active and claiming ones */
     struct list link;          /* in the list that the state says */
     struct pending_item waiting;
 
     const uint8_t *data;
     uint32_t data_length;
-    struct block *block; /* keeps data alive; NULL: they are in small, or only good for this moment */
+    struct block
+        *block; /* keeps data alive; NULL: they are in small, or only good for this moment */
     uint8_t small[DISPATCH_SMALL];
 };
 

@@ -12,7 +12,8 @@ enum ending {
     ENDING_COMMAND, /* an operator wants it (the line that says so is the command's) */
 };
 
-/* Ends a connection; harmless for one that has ended.  The record is let go at the end of the turn. */
+/* Ends a connection; harmless for one that has ended.  The record is let go at the end of the turn.
+ */
 void ending(struct server *server, struct module *module, enum ending why);
 
 /* Ends a connection whose peer breaks the protocol; one log line names it and the reason. */

@@ -52,9 +52,9 @@ bool flow_is_free(const struct server *server, struct resource *resource,
 static bool may_go_ahead(const struct server *server, const struct resource *resource,
                          uint32_t data_length)
 {
-    const bool fits = resource->n_ahead == 0 ||
-                      (resource->n_ahead < LIMIT_AHEAD &&
-                       resource->ahead_bytes + data_length <= LIMIT_AHEAD_BYTES);
+    const bool fits =
+        resource->n_ahead == 0 || (resource->n_ahead < LIMIT_AHEAD &&
+                                   resource->ahead_bytes + data_length <= LIMIT_AHEAD_BYTES);
     return fits && resource->owner->takes_ahead && resource->owner->state == MODULE_READY &&
            resource->state == RESOURCE_ACTIVE && list_is_empty(&resource->claims) &&
            !resource->limited && !server->has_priorities && !server->options->resend &&
@@ -113,8 +113,8 @@ static bool put_in_queue(struct server *server, struct dispatch *dispatch)
     }
     dispatch->state = DISPATCH_PENDING;
     dispatch->resource = resource;
-    struct dispatch *dropped = dispatch_of(pending_add(
-        queue, &dispatch->message->subject, &dispatch->waiting, dispatch->data_length));
+    struct dispatch *dropped = dispatch_of(
+        pending_add(queue, &dispatch->message->subject, &dispatch->waiting, dispatch->data_length));
     const bool has_place = dropped != dispatch;
     if (dropped != NULL) {
         log_limited(&server->log, dropped);
@@ -190,8 +190,7 @@ static void trim_waiting(struct server *server, struct message *message, size_t 
     }
 }
 
-void flow_wait_for_handler(struct server *server, struct dispatch *dispatch,
-                           struct block **shared)
+void flow_wait_for_handler(struct server *server, struct dispatch *dispatch, struct block **shared)
 {
     struct message *message = dispatch->message;
     if (dispatch_keep(dispatch, shared) != 0) {

@@ -16,8 +16,7 @@
 void flow_enter(struct server *server, struct dispatch *dispatch, struct block **shared);
 
 /* A new dispatch, which keeps its data, waits until somebody handles its message. */
-void flow_wait_for_handler(struct server *server, struct dispatch *dispatch,
-                           struct block **shared);
+void flow_wait_for_handler(struct server *server, struct dispatch *dispatch, struct block **shared);
 
 /* Somebody does: all that wait move to the handler's queue. */
 void flow_adopt(struct server *server, struct message *message, struct handler *handler);

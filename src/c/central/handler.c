@@ -41,8 +41,7 @@ void handler_free_all(struct module *module)
     table_fini(&module->handlers);
 }
 
-struct subscription *subscription_find(const struct handler *handler,
-                                       const struct message *message)
+struct subscription *subscription_find(const struct handler *handler, const struct message *message)
 {
     struct list *at, *following;
     LIST_EACH(at, following, &handler->subscriptions) {

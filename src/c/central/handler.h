@@ -34,9 +34,9 @@ struct subscription {
     struct list in_message; /* in order of subscription */
 
     /* Of watches, see watch.h. */
-    struct list in_due;  /* in module.due: the newest value is to be sent */
-    unsigned in_flight;  /* values sent and not yet reported handled */
-    uint64_t mark;       /* link.queued behind the latest value sent */
+    struct list in_due; /* in module.due: the newest value is to be sent */
+    unsigned in_flight; /* values sent and not yet reported handled */
+    uint64_t mark;      /* link.queued behind the latest value sent */
 };
 
 /* The handler of that name, or NULL. */

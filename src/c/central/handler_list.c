@@ -40,8 +40,7 @@ void handler_list_init(struct server *server, struct handler_list *list,
     list->count = 0;
     for (struct list *at = message->subscriptions.previous;
          at != &message->subscriptions && (size_t)list->count < n_told; at = at->previous) {
-        const struct subscription *subscription =
-            LIST_OWNER(at, struct subscription, in_message);
+        const struct subscription *subscription = LIST_OWNER(at, struct subscription, in_message);
         fill_in(&list->handlers[list->count++], subscription->handler);
     }
 }

@@ -12,35 +12,35 @@
 
 #include "base/limits.h"
 
-#define LIMIT_MESSAGES 262144u         /* message names, defined or only mentioned */
-#define LIMIT_VARIABLES 65536u         /* variables, those of watched handlers included */
-#define LIMIT_NAMED_FORMATS 65536u     /* definitions of named formats */
-#define LIMIT_HANDLERS 65536u          /* handler names of one module, deregistered ones included */
-#define LIMIT_SUBSCRIPTIONS 1024u      /* messages that one handler is subscribed to */
-#define LIMIT_RESOURCES 1024u          /* resources of one module */
-#define LIMIT_CLAIMS 1024u             /* locks and reservations that one module holds or waits for */
-#define LIMIT_PROVIDED 4096u           /* names that one module provides or requires */
-#define LIMIT_TAPS 1024u               /* taps of one message */
-#define LIMIT_AHEAD 64u                /* deliveries sent before their turn for one resource */
+#define LIMIT_MESSAGES 262144u     /* message names, defined or only mentioned */
+#define LIMIT_VARIABLES 65536u     /* variables, those of watched handlers included */
+#define LIMIT_NAMED_FORMATS 65536u /* definitions of named formats */
+#define LIMIT_HANDLERS 65536u      /* handler names of one module, deregistered ones included */
+#define LIMIT_SUBSCRIPTIONS 1024u  /* messages that one handler is subscribed to */
+#define LIMIT_RESOURCES 1024u      /* resources of one module */
+#define LIMIT_CLAIMS 1024u         /* locks and reservations that one module holds or waits for */
+#define LIMIT_PROVIDED 4096u       /* names that one module provides or requires */
+#define LIMIT_TAPS 1024u           /* taps of one message */
+#define LIMIT_AHEAD 64u            /* deliveries sent before their turn for one resource */
 #define LIMIT_AHEAD_BYTES (256u * 1024) /* data of these, unless it is only one */
-#define LIMIT_DIRECT_HANDLERS 100u     /* handlers that a publisher in direct mode is told of */
-#define LIMIT_WAITING_QUERIES 100000u  /* queries to one message that nobody handles yet */
+#define LIMIT_DIRECT_HANDLERS 100u      /* handlers that a publisher in direct mode is told of */
+#define LIMIT_WAITING_QUERIES 100000u   /* queries to one message that nobody handles yet */
 #define LIMIT_WAITING_BYTES (256u * 1024 * 1024) /* data of these */
 
 /* Those that an operator may change; the defaults are in options.c. */
 struct central_limits {
-    uint32_t data;             /* bytes of data in one frame */
-    uint32_t class_data;       /* bytes of class data in one frame */
-    uint64_t out_queue;        /* unsent bytes above which a module's queue is not taken from */
-    uint64_t pending_bytes;    /* data that waits for one resource */
-    size_t pending_messages;   /* deliveries that wait for one resource */
-    uint64_t introduction_ns;  /* patience with a connection that does not introduce itself */
-    uint64_t stuck_ns;         /* patience with a module whose unsent bytes exceed every measure */
-    size_t unintroduced;       /* connections that have not introduced themselves yet */
+    uint32_t data;            /* bytes of data in one frame */
+    uint32_t class_data;      /* bytes of class data in one frame */
+    uint64_t out_queue;       /* unsent bytes above which a module's queue is not taken from */
+    uint64_t pending_bytes;   /* data that waits for one resource */
+    size_t pending_messages;  /* deliveries that wait for one resource */
+    uint64_t introduction_ns; /* patience with a connection that does not introduce itself */
+    uint64_t stuck_ns;        /* patience with a module whose unsent bytes exceed every measure */
+    size_t unintroduced;      /* connections that have not introduced themselves yet */
 };
 
-/* Unsent bytes above which a module is stuck: replies must have piled up, since a queue is not taken
- * from above the first limit, and then one frame of the longest kind still fits. */
+/* Unsent bytes above which a module is stuck: replies must have piled up, since a queue is not
+ * taken from above the first limit, and then one frame of the longest kind still fits. */
 static inline uint64_t limits_stuck_bytes(const struct central_limits *limits)
 {
     return 2 * limits->out_queue + limits->data;

@@ -22,9 +22,9 @@ struct log {
     struct sink terminal;
     struct sink file;
     bool file_is_open;
-    bool closed;       /* nothing is written any more */
-    char *file_name;   /* owned; of the file that is or was open */
-    bool messages_on;  /* some log shows message lines: see log_switched */
+    bool closed;      /* nothing is written any more */
+    char *file_name;  /* owned; of the file that is or was open */
+    bool messages_on; /* some log shows message lines: see log_switched */
     bool data_on;
     bool summary_on;
     const struct format_names *names; /* to read the formats of messages with */
@@ -126,7 +126,7 @@ struct log_reply {
     const uint8_t *data;
     size_t length;
     enum byte_order order;
-    struct message *message;     /* NULL: format says it */
+    struct message *message; /* NULL: format says it */
     const struct format *format;
 };
 

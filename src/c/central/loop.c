@@ -17,7 +17,7 @@ enum {
     N_EVENTS = 128,       /* taken from the poller at a time */
     ACCEPTED_A_TURN = 64, /* connections */
     LAST_WORDS_PAUSE_MS = 10,
-    LOCAL_MODE = 0777     /* everybody may connect, as to the TCP port */
+    LOCAL_MODE = 0777 /* everybody may connect, as to the TCP port */
 };
 
 #define MS_NS UINT64_C(1000000)
@@ -76,8 +76,7 @@ static void watch_listeners(struct loop *loop)
 static void listen_locally(struct loop *loop)
 {
     char path[NET_PATH_SIZE];
-    (void)snprintf(path, sizeof path, "%s/%d", NET_SOCKET_DIRECTORY,
-                   loop->server->options->port);
+    (void)snprintf(path, sizeof path, "%s/%d", NET_SOCKET_DIRECTORY, loop->server->options->port);
     const int error = net_listen_local(path, LOCAL_MODE, &loop->local);
     if (error != 0 && !loop->server->options->silent) {
         (void)fprintf(stderr, "Warning: no socket %s (%s), modules use TCP\n", path,

@@ -16,9 +16,9 @@ struct loop {
     struct console console;
     struct poller *poller;
     struct waker waker;
-    int tcp;                 /* listens; -1: not yet */
-    struct net_local local;  /* listens; fd -1: it could not be had */
-    bool accepting;          /* both are watched */
+    int tcp;                /* listens; -1: not yet */
+    struct net_local local; /* listens; fd -1: it could not be had */
+    bool accepting;         /* both are watched */
     uint64_t accept_again_ns;
     bool reads_input;        /* commands are read from standard input */
     bool input_is_unwatched; /* ... which cannot be watched: it is read in every turn */

@@ -11,13 +11,14 @@
  *           completion    what modules report about deliveries
  *           service       requests to the server, by a table
  *             service_*, variable_service   carry them out
- *               ending, start, notify, handler_list, broadcasts, variable
+ *               ending, start, notify, handler_list, broadcasts, variable, own_request
  *         flow            what goes now and what waits          claim, pending
  *         watch           new values to those who watch
  *         deliver, answer frames on their way out
  *           outbox        links, and which of them to flush
- *     log                 every line that is written            log_variables, sink
+ *     log, log_dispatch   every line that is written            log_variables, sink, text
  *     message, handler, module, resource, dispatch              what there is
+ *       namesakes, pool                                         how it is found and kept
  *
  * struct server holds all state; only loop and main touch the system.
  */

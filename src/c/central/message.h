@@ -37,14 +37,14 @@ struct dispatch;
 struct message {
     char *name; /* owned; spelling of the latest definition */
     enum message_kind kind;
-    int id;    /* 0: not defined */
-    int class; /* enum frame_class */
+    int id;                       /* 0: not defined */
+    int class;                    /* enum frame_class */
     enum library_message service; /* of services and notices */
     struct variable *variable;    /* of MESSAGE_SET to MESSAGE_WATCH */
 
     char *wire_text; /* owned, NULL: none */
     char *content_text;
-    struct format *wire; /* of the frame's data; references */
+    struct format *wire;    /* of the frame's data; references */
     struct format *content; /* user messages: the user's format; requests: format of the reply */
     bool parsed;            /* wire and content say what the texts say */
     bool bad_is_logged;     /* ... or do not, which the log has said */
@@ -55,17 +55,17 @@ struct message {
     struct pending_subject subject; /* its priority, and where it waits */
     struct list subscriptions;      /* of struct subscription, oldest first */
     size_t n_subscriptions;
-    struct list waiting;            /* queries that nobody handles yet: struct dispatch, oldest first */
+    struct list waiting; /* queries that nobody handles yet: struct dispatch, oldest first */
     size_t n_waiting;
     uint64_t waiting_bytes;
 
-    bool direct;                 /* modules deliver it to each other */
-    bool ignored;                /* left out by logs that ignore */
-    bool handlers_wanted;        /* its list of handlers is to be kept as a variable */
-    struct variable *handlers;   /* that variable, once it exists */
-    bool listed;                 /* stands in the list of active broadcasts */
+    bool direct;               /* modules deliver it to each other */
+    bool ignored;              /* left out by logs that ignore */
+    bool handlers_wanted;      /* its list of handlers is to be kept as a variable */
+    struct variable *handlers; /* that variable, once it exists */
+    bool listed;               /* stands in the list of active broadcasts */
     struct list in_broadcasts;
-    struct list taps;            /* of struct tap_entry */
+    struct list taps; /* of struct tap_entry */
 };
 
 struct message_registry {

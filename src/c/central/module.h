@@ -35,20 +35,20 @@ struct module {
     unsigned references; /* one of the connection, one per delivery that names it as sender */
     char *name;          /* owned; MODULE_UNNAMED until introduced */
     char *host;
-    int shown_fd;        /* the descriptor as the log shows it, also after the end */
+    int shown_fd; /* the descriptor as the log shows it, also after the end */
     struct link link;
 
-    struct list in_server;   /* all connections, in order of arrival */
-    struct list in_state;    /* of the greeted or the waiting ones, in order of arrival; of the
-                                ended ones */
-    struct list same_name;   /* once introduced */
+    struct list in_server; /* all connections, in order of arrival */
+    struct list in_state;  /* of the greeted or the waiting ones, in order of arrival; of the
+                              ended ones */
+    struct list same_name; /* once introduced */
     uint64_t accepted_ns;
-    bool in_order;           /* its library has the ability ABILITY_IN_ORDER */
-    bool takes_ahead;        /* ... ABILITY_AHEAD */
+    bool in_order;    /* its library has the ability ABILITY_IN_ORDER */
+    bool takes_ahead; /* ... ABILITY_AHEAD */
 
     /* Input. */
-    struct list in_input;    /* has bytes that are not handled yet */
-    bool input_ended;        /* no more bytes will come */
+    struct list in_input; /* has bytes that are not handled yet */
+    bool input_ended;     /* no more bytes will come */
 
     /* Output. */
     struct list in_flush;    /* has bytes that are not flushed yet */
@@ -60,17 +60,17 @@ struct module {
 
     /* From MODULE_INTRODUCED on. */
     struct resource *own;
-    struct list resources;   /* own is the first */
+    struct list resources; /* own is the first */
     size_t n_resources;
-    struct table handlers;   /* name -> struct handler */
-    struct list due;         /* subscriptions whose watched variable has a new value */
-    struct list in_due;      /* of the server, while due is not empty */
+    struct table handlers;          /* name -> struct handler */
+    struct list due;                /* subscriptions whose watched variable has a new value */
+    struct list in_due;             /* of the server, while due is not empty */
     struct dispatch *start_request; /* while MODULE_WAITING */
-    struct table provides;   /* names; the values mean nothing */
+    struct table provides;          /* names; the values mean nothing */
     struct table requires;
-    struct list held;        /* requests of it that lock or reserve something */
-    size_t n_claims;         /* these, and those that wait */
-    int direct_port;         /* NO_PORT: it has announced none */
+    struct list held; /* requests of it that lock or reserve something */
+    size_t n_claims;  /* these, and those that wait */
+    int direct_port;  /* NO_PORT: it has announced none */
 };
 
 enum { NO_PORT = -1 };

@@ -21,12 +21,12 @@ struct log_switches {
     bool status;
     bool time;
     bool data;
-    bool ignore;     /* leave out the messages of the ignore set */
+    bool ignore; /* leave out the messages of the ignore set */
     bool summary;
     bool references;
     bool parents;
-    bool flush;      /* after every line */
-    bool comments;   /* ask for comments when the file is opened and closed */
+    bool flush;    /* after every line */
+    bool comments; /* ask for comments when the file is opened and closed */
 };
 
 /* A name given with -i or read from a file of -I. */
@@ -36,7 +36,7 @@ struct ignored_name {
 };
 
 struct options {
-    int port; /* 0: any free one */
+    int port;     /* 0: any free one */
     int expected; /* modules that have to ask before the first one is let go */
     bool direct;
     bool silent;
@@ -44,7 +44,7 @@ struct options {
     bool resend;
     struct log_switches terminal;
     struct log_switches file;
-    char *file_name; /* owned; NULL: generated */
+    char *file_name;     /* owned; NULL: generated */
     struct list ignored; /* of struct ignored_name, in the order given */
     struct central_limits limits;
 };
@@ -53,9 +53,9 @@ void options_init(struct options *options);
 void options_fini(struct options *options);
 
 enum options_result {
-    OPTIONS_GO,     /* carry on */
-    OPTIONS_SHOWN,  /* only something was shown: end well */
-    OPTIONS_WRONG   /* the command line is wrong */
+    OPTIONS_GO,    /* carry on */
+    OPTIONS_SHOWN, /* only something was shown: end well */
+    OPTIONS_WRONG  /* the command line is wrong */
 };
 
 /* Where options write what they have to say: standard output, standard error. */

@@ -22,8 +22,7 @@ static bool is_reachable(const struct module *module)
 void outbox_queue(struct server *server, struct module *module, const struct frame *frame,
                   enum outbox_urgency urgency)
 {
-    if (urgency == OUTBOX_NORMAL && !list_is_empty(&server->urgent) &&
-        server->write_news != NULL) {
+    if (urgency == OUTBOX_NORMAL && !list_is_empty(&server->urgent) && server->write_news != NULL) {
         server->write_news(server, server->news_context);
     }
     if (is_reachable(module)) {
@@ -32,8 +31,7 @@ void outbox_queue(struct server *server, struct module *module, const struct fra
     }
 }
 
-void outbox_queue_raw(struct server *server, struct module *module, const void *bytes,
-                      size_t count)
+void outbox_queue_raw(struct server *server, struct module *module, const void *bytes, size_t count)
 {
     if (is_reachable(module)) {
         link_queue_raw(&module->link, bytes, count);

@@ -303,7 +303,8 @@ struct pending_item *pending_take_oldest(struct pending *queue)
 void pending_remove(struct pending_item *item)
 {
     struct pending_flow *flow = item->flow;
-    /* The oldest stood in the first place.  Of the others it does not matter: those behind move up. */
+    /* The oldest stood in the first place.  Of the others it does not matter: those behind move up.
+     */
     struct list *link = item == oldest_of(flow) ? flow->places.next : flow->places.previous;
     place_free(flow->queue->pool, LIST_OWNER(link, struct place, in_flow));
     item_leave(item);

@@ -41,7 +41,7 @@ struct pending_flow {
     struct pending *queue;
     struct pending_subject *subject;
     struct list of_subject;
-    int limit;          /* deliveries that may wait, or NO_LIMIT */
+    int limit; /* deliveries that may wait, or NO_LIMIT */
     size_t count;
     struct list items;  /* of struct pending_item, oldest first */
     struct list places; /* as many, the next to leave first */

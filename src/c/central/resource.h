@@ -33,12 +33,12 @@ struct resource {
     size_t ahead_bytes; /* data of these */
     bool limited;       /* a limit has been set, so what waits may have to be dropped */
     struct pending pending;
-    bool overflowing;   /* pending deliveries were dropped since there was room last */
+    bool overflowing; /* pending deliveries were dropped since there was room last */
 
     enum resource_state state;
-    struct dispatch *claim;  /* the request that locked or reserved it, NULL while active */
+    struct dispatch *claim;     /* the request that locked or reserved it, NULL while active */
     struct pending holders_own; /* what the holder of a reservation sent meanwhile */
-    struct list claims;      /* waiting requests to lock or reserve, oldest first */
+    struct list claims;         /* waiting requests to lock or reserve, oldest first */
 };
 
 /* capacity is at least 1. */

@@ -52,8 +52,7 @@ static struct handler *choose_handler(const struct server *server, const struct 
         if (flow_is_free(server, handler->resource, sender)) {
             return handler;
         }
-        if (best == NULL ||
-            handler->resource->pending.count < best->resource->pending.count) {
+        if (best == NULL || handler->resource->pending.count < best->resource->pending.count) {
             best = handler;
         }
     }

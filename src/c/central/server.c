@@ -65,8 +65,8 @@ static void define_formats(struct server *server)
 static struct variable *define_list_variable(struct server *server, const char *name)
 {
     struct name_list none = {0, 0, NULL};
-    struct variable *variable = variable_define_own(server, name, FORMAT_NAME_LIST,
-                                                    server->catalogue.name_list);
+    struct variable *variable =
+        variable_define_own(server, name, FORMAT_NAME_LIST, server->catalogue.name_list);
     variable_set_own(server, variable, &none);
     return variable;
 }
@@ -125,7 +125,8 @@ void server_init(struct server *server, struct options *options, int terminal_fd
 
 /* -------------------------------------------------------------------- connections */
 
-/* The number of the look-up request, bare, and in two frames the formats of it and of its answer. */
+/* The number of the look-up request, bare, and in two frames the formats of it and of its answer.
+ */
 static void greet(struct server *server, struct module *module)
 {
     const struct format *formats[] = {server->catalogue.request[LM_MESSAGE_INFO],

@@ -20,10 +20,10 @@
 #include "wire/catalogue.h"
 
 struct statistics {
-    uint64_t n_read;      /* frames handled */
-    uint64_t bytes_read;  /* their class data and data */
-    uint64_t n_dropped;   /* deliveries given up because a queue was full */
-    uint64_t n_modules;   /* connections now */
+    uint64_t n_read;     /* frames handled */
+    uint64_t bytes_read; /* their class data and data */
+    uint64_t n_dropped;  /* deliveries given up because a queue was full */
+    uint64_t n_modules;  /* connections now */
     uint64_t peak_modules;
     uint32_t shortest_body;
     uint32_t longest_body;
@@ -37,7 +37,8 @@ struct server {
     uint64_t now_ns; /* monotonic, of this turn */
     uint64_t (*clock)(void);
     struct poller *poller; /* watches the sockets; NULL when there are none */
-    void (*write_news)(struct server *server, void *context); /* writes urgent links; NULL: nobody can */
+    void (*write_news)(struct server *server,
+                       void *context); /* writes urgent links; NULL: nobody can */
     void *news_context;
 
     struct catalogue catalogue;
@@ -57,29 +58,28 @@ struct server {
     struct list active_broadcasts;
     size_t n_active_broadcasts;
 
-    struct list modules;  /* all connections, in order of arrival */
-    struct list greeted;  /* those without introduction, oldest first */
+    struct list modules; /* all connections, in order of arrival */
+    struct list greeted; /* those without introduction, oldest first */
     size_t n_greeted;
-    struct list waiting;  /* those whose wish to start is not answered, oldest first */
+    struct list waiting; /* those whose wish to start is not answered, oldest first */
     size_t n_waiting;
-    bool started;         /* as many as expected have asked to start */
-    bool has_priorities;  /* of messages: what waits may be overtaken */
+    bool started;        /* as many as expected have asked to start */
+    bool has_priorities; /* of messages: what waits may be overtaken */
     struct namesakes module_names;
     struct namesakes resource_names;
 
     /* Work of this turn. */
-    struct list input;    /* modules with bytes to handle */
-    struct list urgent;   /* modules to flush first */
-    struct list flush;    /* the other modules to flush */
-    struct list due;      /* modules that are due values of watched variables */
-    struct list ended;    /* modules to let go at the end of the turn */
+    struct list input;  /* modules with bytes to handle */
+    struct list urgent; /* modules to flush first */
+    struct list flush;  /* the other modules to flush */
+    struct list due;    /* modules that are due values of watched variables */
+    struct list ended;  /* modules to let go at the end of the turn */
 
     struct statistics statistics;
 };
 
 /* A server without connections; terminal_fd is where its terminal log goes (-1: nowhere). */
-void server_init(struct server *server, struct options *options, int terminal_fd,
-                 uint64_t now_ns);
+void server_init(struct server *server, struct options *options, int terminal_fd, uint64_t now_ns);
 
 /* Ends all connections without a word. */
 void server_fini(struct server *server);

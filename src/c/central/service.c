@@ -157,8 +157,8 @@ static void decode_and_perform(struct server *server, struct module *module,
     char reason[160];
     assert(format_size(format) <= sizeof payload);
     memset(&payload, 0, sizeof payload);
-    if (payload_decode(format, frame->data, frame->data_length,
-                       (enum byte_order)frame->data_order, &payload) != 0) {
+    if (payload_decode(format, frame->data, frame->data_length, (enum byte_order)frame->data_order,
+                       &payload) != 0) {
         (void)snprintf(reason, sizeof reason, "the data of %s do not fit its format",
                        message->name);
         ending_for_violation(server, module, reason);

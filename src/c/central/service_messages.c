@@ -124,9 +124,8 @@ void service_unsubscribe(struct request *request)
     }
     struct message *message = message_find(&server->messages, notice->message);
     const struct handler *handler = handler_find(request->module, notice->handler);
-    struct subscription *subscription = message == NULL || handler == NULL
-                                            ? NULL
-                                            : subscription_find(handler, message);
+    struct subscription *subscription =
+        message == NULL || handler == NULL ? NULL : subscription_find(handler, message);
     if (subscription == NULL) {
         request_ignore(request, "%s does not handle %s", notice->handler, notice->message);
         return;
@@ -146,8 +145,7 @@ void service_define_format(struct request *request)
         return;
     }
     if (definition->second == NULL || is_too_long(definition->second)) {
-        request_ignore(request, "the format %s has no text, or too long a one",
-                       definition->first);
+        request_ignore(request, "the format %s has no text, or too long a one", definition->first);
         return;
     }
     if (!format_names_holds(server->names, definition->first) &&

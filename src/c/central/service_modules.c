@@ -17,10 +17,9 @@ enum { HIGHEST_PORT = 65535 };
 void service_is_connected(struct request *request)
 {
     const char *name = request->payload->name;
-    const int is_connected =
-        request_names(request, name) &&
-        (namesakes_find(&request->server->module_names, name) != NULL ||
-         table_same_name(TABLE_FOLDING, name, SERVER_NAME));
+    const int is_connected = request_names(request, name) &&
+                             (namesakes_find(&request->server->module_names, name) != NULL ||
+                              table_same_name(TABLE_FOLDING, name, SERVER_NAME));
     request_answer(request, &is_connected);
 }
 
@@ -116,16 +115,14 @@ void service_direct_port(struct request *request)
         return;
     }
     if (!table_same_name(TABLE_FOLDING, notice->name, module->name)) {
-        log_notice(log, "Direct Connection: Not Made: %s did not originate call.\n",
-                   notice->name);
+        log_notice(log, "Direct Connection: Not Made: %s did not originate call.\n", notice->name);
         return;
     }
     if (notice->number < 1 || notice->number > HIGHEST_PORT) {
         request_ignore(request, "%d cannot be a port", notice->number);
         return;
     }
-    log_notice(log, "Direct Connection Established For: %s at %d\n", module->name,
-               notice->number);
+    log_notice(log, "Direct Connection Established For: %s at %d\n", module->name, notice->number);
     if (module->direct_port != notice->number) {
         module->direct_port = notice->number;
         tell_port(request->server, module);
@@ -141,8 +138,8 @@ void service_direct_info(struct request *request)
         return;
     }
     const struct module *module = latest->handler->module;
-    const struct handler_address reply = {0, 0, module->direct_port, latest->handler->id,
-                                          module->host, module->name};
+    const struct handler_address reply = {
+        0, 0, module->direct_port, latest->handler->id, module->host, module->name};
     request_answer(request, &reply);
 }
 

@@ -17,8 +17,8 @@ static void set_capacity(struct server *server, struct resource *resource, int c
         capacity = 1;
         log_status(&server->log, "\nWARNING: Capacity of %d:%s set to 1\n", fd, resource->name);
     } else if (capacity != resource->capacity) {
-        log_status(&server->log, "\nWARNING: Capacity of %d:%s changed to %d\n", fd,
-                   resource->name, capacity);
+        log_status(&server->log, "\nWARNING: Capacity of %d:%s changed to %d\n", fd, resource->name,
+                   capacity);
     }
     resource->capacity = capacity;
     flow_release(server, resource);
@@ -32,9 +32,8 @@ static void add_resource(struct request *request, const struct number_and_name *
         request_ignore(request, "the module has too many resources");
         return;
     }
-    struct resource *resource =
-        resource_new(wanted->name, module, wanted->number < 1 ? 1 : wanted->number,
-                     &server->places);
+    struct resource *resource = resource_new(
+        wanted->name, module, wanted->number < 1 ? 1 : wanted->number, &server->places);
     module->n_resources++;
     list_append(&module->resources, &resource->in_owner);
     namesakes_add(&server->resource_names, resource->name, &resource->same_name);
@@ -79,8 +78,7 @@ void service_add_to_resource(struct request *request)
 /* --------------------------------------------------------------------- limits */
 
 /* How many resources bear a name, and the first of them. */
-static size_t find_resources(const struct server *server, const char *name,
-                             struct resource **first)
+static size_t find_resources(const struct server *server, const char *name, struct resource **first)
 {
     const struct list *group = namesakes_find(&server->resource_names, name);
     size_t count = 0;

@@ -29,9 +29,9 @@ void sink_fini(struct sink *sink)
 static size_t write_note(const struct sink *sink, char *note, size_t size)
 {
     note[0] = '\0';
-    return sink->lost == 0 ? 0
-                           : (size_t)snprintf(note, size, "*** %" PRIu64 " log lines lost ***\n",
-                                              sink->lost);
+    return sink->lost == 0
+               ? 0
+               : (size_t)snprintf(note, size, "*** %" PRIu64 " log lines lost ***\n", sink->lost);
 }
 
 void sink_put(struct sink *sink, const void *text, size_t length)

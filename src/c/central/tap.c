@@ -46,8 +46,7 @@ static void tell(struct server *server)
     free(list.names);
 }
 
-int tap_add(struct server *server, struct message *tapped, struct message *listening,
-            int condition)
+int tap_add(struct server *server, struct message *tapped, struct message *listening, int condition)
 {
     size_t count;
     if (find(tapped, listening, condition, &count) != NULL) {

@@ -110,8 +110,8 @@ struct variable *variable_define_own(struct server *server, const char *name, co
 {
     /* Encoding writes through no pointer, whatever the payload's type says. */
     const struct two_names definition = {(char *)(uintptr_t)name, (char *)(uintptr_t)text};
-    struct dispatch *request = own_request_begin_value(
-        server, server->library[LM_REGISTER_VARIABLE], &definition);
+    struct dispatch *request =
+        own_request_begin_value(server, server->library[LM_REGISTER_VARIABLE], &definition);
     struct variable *variable = variable_define(server, name, format);
     if (variable != NULL) {
         variable->of_server = true;

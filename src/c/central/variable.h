@@ -12,12 +12,12 @@
 enum { N_VARIABLE_MESSAGES = MESSAGE_WATCH - MESSAGE_SET + 1 };
 
 struct variable {
-    char *name; /* owned */
+    char *name;            /* owned */
     struct format *format; /* a reference */
     bool of_server;        /* modules may not set it */
     struct message *messages[N_VARIABLE_MESSAGES];
-    struct block *value;   /* encoded; NULL: never set */
-    uint8_t order;         /* of value, enum byte_order */
+    struct block *value; /* encoded; NULL: never set */
+    uint8_t order;       /* of value, enum byte_order */
 };
 
 /* The one of its messages that has this kind. */
@@ -38,7 +38,8 @@ struct variable *variable_define(struct server *server, const char *name, struct
 struct variable *variable_define_own(struct server *server, const char *name, const char *text,
                                      struct format *format);
 
-/* Sets an encoded value that is known to fit the format; tells those who watch.  0 or ERR_MEMORY. */
+/* Sets an encoded value that is known to fit the format; tells those who watch.  0 or ERR_MEMORY.
+ */
 int variable_set(struct server *server, struct variable *variable, const uint8_t *bytes,
                  size_t length, enum byte_order order);
 

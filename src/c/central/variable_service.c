@@ -26,8 +26,7 @@ static bool is_value(const struct format *format, const struct frame *frame)
 }
 
 /* The request may have been answered, and so be over, before. */
-static void set(const struct request *request, struct variable *variable,
-                const struct frame *frame)
+static void set(const struct request *request, struct variable *variable, const struct frame *frame)
 {
     if (variable_set(request->server, variable, frame->data, frame->data_length,
                      (enum byte_order)frame->data_order) != 0) {

@@ -34,11 +34,12 @@ bool stream_is_terminal(int fd);
 
 /* ------------------------------------------------------------------ signals */
 
-/* From here on a request to end (interrupt, terminate) or to reopen files (hang up) does nothing but
- * wake, and a broken pipe does nothing at all.  The waker outlives the process's use of it. */
+/* From here on a request to end (interrupt, terminate) or to reopen files (hang up) does nothing
+ * but wake, and a broken pipe does nothing at all.  The waker outlives the process's use of it. */
 int process_catch_signals(const struct waker *waker);
 
-/* The number of a signal that came since it was last asked for, or 0.  Requests to end come first. */
+/* The number of a signal that came since it was last asked for, or 0.  Requests to end come first.
+ */
 int process_take_signal(void);
 
 /* Whether that signal asks the process to end. */

@@ -113,7 +113,7 @@ static void modules_can_be_closed(void **state)
 static void locks_can_be_released_by_resource_or_holder(void **state)
 {
     struct fixture f;
-    char *arm = (char *)(uintptr_t)"Arm";
+    char *arm = (char *)(uintptr_t) "Arm";
     int number;
     (void)state;
     open_fixture(&f);
@@ -145,8 +145,8 @@ static void options_can_be_typed(void **state)
     peer_expect(&f.arm, "1 Ping 1");
     station_run(&f.station);
     assert_non_null(strstr(station_log(&f.station), "  Done               Ping:\n"));
-    assert_string_equal(answer_to(&f, "-u\nstatus\n"), "Task Control Server " IPC_VERSION
-                                                       " (" IPC_RELEASE_DATE ")\n");
+    assert_string_equal(answer_to(&f, "-u\nstatus\n"),
+                        "Task Control Server " IPC_VERSION " (" IPC_RELEASE_DATE ")\n");
     close_fixture(&f);
 }
 

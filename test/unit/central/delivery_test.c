@@ -157,8 +157,8 @@ static void publications_without_handler_vanish(void **state)
 static void the_first_number_of_a_handler_name_remains_valid(void **state)
 {
     struct pair pair;
-    const struct subscription_notice again = {0, (char *)(uintptr_t)"M",
-                                              (char *)(uintptr_t)"HND-M5"};
+    const struct subscription_notice again = {0, (char *)(uintptr_t) "M",
+                                              (char *)(uintptr_t) "HND-M5"};
     (void)state;
     open_pair(&pair, "");
     peer_define(&pair.sender, "M", "int");
@@ -273,8 +273,8 @@ static void a_full_queue_loses_its_oldest_and_says_so_once(void **state)
     (void)station_log(&pair.station);
     publish_all(&pair, "M0 M1 M2 M3 M4 M5 M6");
     const char *text = station_log(&pair.station);
-    const char *warning =
-        strstr(text, "WARNING: R on robot: the queue of R is full, its oldest messages are dropped\n");
+    const char *warning = strstr(
+        text, "WARNING: R on robot: the queue of R is full, its oldest messages are dropped\n");
     assert_non_null(warning);
     assert_null(strstr(warning + 1, "WARNING"));
     assert_int_equal(pair.station.server.statistics.n_dropped, 3);
@@ -313,7 +313,7 @@ static void unsent_bytes_hold_the_queue_back_but_lose_nothing(void **state)
 static void a_module_that_never_reads_is_let_go_in_the_end(void **state)
 {
     struct pair pair;
-    const struct message_info_request request = {(char *)(uintptr_t)"M", NULL};
+    const struct message_info_request request = {(char *)(uintptr_t) "M", NULL};
     (void)state;
     open_pair(&pair, "M");
     pair.station.options.limits.out_queue = 100;
@@ -352,8 +352,7 @@ static void late_double_and_foreign_acknowledgements_count_for_nothing(void **st
     peer_acknowledge(&pair.receiver, &frame);
     peer_expect(&pair.receiver, "77 M 2");
     station_run(&pair.station);
-    assert_non_null(strstr(station_log(&pair.station),
-                           "WARNING: S on robot: it reports delivery"));
+    assert_non_null(strstr(station_log(&pair.station), "WARNING: S on robot: it reports delivery"));
     close_pair(&pair);
 }
 
@@ -520,8 +519,8 @@ static void links_with_a_list_are_flushed_first(void **state)
 {
     struct pair pair;
     struct server *server;
-    const struct subscription_notice notice = {5, (char *)(uintptr_t)"new",
-                                               (char *)(uintptr_t)"HND-new"};
+    const struct subscription_notice notice = {5, (char *)(uintptr_t) "new",
+                                               (char *)(uintptr_t) "HND-new"};
     (void)state;
     open_pair(&pair, "");
     server = &pair.station.server;

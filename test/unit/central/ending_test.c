@@ -21,7 +21,7 @@ static void the_end_is_told_in_order(void **state)
     struct station station;
     struct peer leaver, watcher;
     struct frame frame;
-    char *message = (char *)(uintptr_t)"M";
+    char *message = (char *)(uintptr_t) "M";
     (void)state;
     station_open(&station, NULL);
     peer_connect(&station, &watcher, "Watcher");
@@ -71,13 +71,12 @@ static void what_was_on_its_way_to_it_is_cleared_active_first(void **state)
     (void)station_log(&station);
     station.options.terminal.references = true;
     peer_lose(&leaver);
-    assert_string_equal(station_log(&station),
-                        "Closed Connection Detected from: sd: -1: \n"
-                        " Closing Arm on robot\n"
-                        "close Module: Closing Arm\n"
-                        "Clearing handler for message Ping {0}\n"
-                        "Clearing handler for message Ping {1}\n"
-                        "Clearing handler for message Ping {2}\n");
+    assert_string_equal(station_log(&station), "Closed Connection Detected from: sd: -1: \n"
+                                               " Closing Arm on robot\n"
+                                               "close Module: Closing Arm\n"
+                                               "Clearing handler for message Ping {0}\n"
+                                               "Clearing handler for message Ping {1}\n"
+                                               "Clearing handler for message Ping {2}\n");
     assert_int_equal(station.server.dispatches.numbers.in_use, 0);
     station_close(&station);
 }
@@ -88,7 +87,7 @@ static void of_two_modules_of_one_name_only_the_one_concerned_ends(void **state)
     struct peer first, second, sender;
     struct frame frame;
     int is_connected;
-    char *name = (char *)(uintptr_t)"twin";
+    char *name = (char *)(uintptr_t) "twin";
     (void)state;
     station_open(&station, NULL);
     peer_connect(&station, &sender, "S");
@@ -191,9 +190,9 @@ static void direct_mode_tells_where_handlers_listen(void **state)
     struct peer sender, receiver;
     struct frame frame;
     struct handler_list list;
-    char *message = (char *)(uintptr_t)"Ping";
-    const struct number_and_name foreign = {8001, (char *)(uintptr_t)"Planner"};
-    const struct number_and_name own = {8002, (char *)(uintptr_t)"arm"};
+    char *message = (char *)(uintptr_t) "Ping";
+    const struct number_and_name foreign = {8001, (char *)(uintptr_t) "Planner"};
+    const struct number_and_name own = {8002, (char *)(uintptr_t) "arm"};
     (void)state;
     station_open(&station, arguments);
     peer_connect(&station, &sender, "Planner");
@@ -214,8 +213,7 @@ static void direct_mode_tells_where_handlers_listen(void **state)
                         "Direct Connection: Not Made: Planner did not originate call.\n");
     (void)peer_tell(&receiver, LM_DIRECT_PORT, &own);
     station_run(&station);
-    assert_string_equal(station_log(&station),
-                        "Direct Connection Established For: Arm at 8002\n");
+    assert_string_equal(station_log(&station), "Direct Connection Established For: Arm at 8002\n");
     assert_true(peer_receive(&sender, &frame)); /* the list with the port */
     assert_true(peer_ask(&sender, LM_HANDLERS, &message, &list));
     assert_int_equal(list.count, 1);
@@ -241,7 +239,7 @@ static void a_list_of_nobody_is_an_answer_without_data(void **state)
     struct station station;
     struct peer peer;
     struct handler_list list;
-    char *message = (char *)(uintptr_t)"M";
+    char *message = (char *)(uintptr_t) "M";
     (void)state;
     station_open(&station, NULL);
     peer_connect(&station, &peer, "P");
@@ -256,7 +254,7 @@ static void wishes_for_handler_lists_are_kept_until_the_definition(void **state)
     struct station station;
     struct peer watcher, other;
     struct frame frame;
-    char *message = (char *)(uintptr_t)"Late";
+    char *message = (char *)(uintptr_t) "Late";
     (void)state;
     station_open(&station, NULL);
     peer_connect(&station, &watcher, "W");
@@ -353,7 +351,7 @@ static void claims_wait_for_each_other_and_for_room(void **state)
 {
     struct lock_fixture f;
     struct frame delivery, frame;
-    char *arm = (char *)(uintptr_t)"Arm";
+    char *arm = (char *)(uintptr_t) "Arm";
     (void)state;
     open_lock(&f);
     peer_publish(&f.sender, "M", 1);
@@ -375,7 +373,7 @@ static void claims_on_a_resource_that_goes_are_refused(void **state)
 {
     struct lock_fixture f;
     struct frame frame;
-    char *arm = (char *)(uintptr_t)"Arm";
+    char *arm = (char *)(uintptr_t) "Arm";
     (void)state;
     open_lock(&f);
     assert_true(claim(&f.holder, LM_LOCK, "Arm") >= 0);

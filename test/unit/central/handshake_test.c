@@ -10,11 +10,11 @@
 
 /* Sections 3.1 of the protocol, but for the number of the look-up request and the byte order. */
 static const uint8_t greeting_after_number[] = {
-    0, 0, 0, 0, 0, 0, 0, 0x18, 0, 0, 0, 0, 0, 0, 0, 0, 0x22, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-    2, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 0, 7, 0, 0, 0,
-    0, 0, 0, 0, 0, 0, 0, 0x35, 0, 0, 0, 0, 0, 0, 0, 0, 0x22, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-    3, 0, 0, 0, 0x5a, 2, 0, 0, 0, 6, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 7, 0, 0, 0,
-    0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 8, 0, 0, 0, 0, 0, 0, 0, 8, 0, 0, 0,
+    0, 0, 0, 0,    0, 0,    0, 0x18, 0, 0, 0, 0, 0, 0, 0,    0, 0x22, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 2, 0, 0,    0, 3,    0, 0,    0, 0, 0, 0, 0, 7, 0,    0, 0,    0, 0, 0, 0, 7, 0, 0, 0, 0, 0,
+    0, 0, 0, 0,    0, 0x35, 0, 0,    0, 0, 0, 0, 0, 0, 0x22, 0, 0,    0, 0, 0, 0, 0, 0, 0, 0, 0, 3,
+    0, 0, 0, 0x5a, 2, 0,    0, 0,    6, 0, 0, 0, 0, 0, 0,    0, 1,    0, 0, 0, 0, 0, 0, 0, 7, 0, 0,
+    0, 0, 0, 0,    0, 1,    0, 0,    0, 0, 0, 0, 0, 8, 0,    0, 0,    0, 0, 0, 0, 8, 0, 0, 0,
 };
 
 static void the_greeting_is_sent_without_waiting(void **state)
@@ -60,8 +60,9 @@ static void a_look_up_tells_formats_and_class(void **state)
     struct station station;
     struct peer peer;
     struct optional_message_info reply = {NULL};
-    const struct message_info_request request = {(char *)(uintptr_t)"point", NULL};
-    const struct two_names definition = {(char *)(uintptr_t)"pair", (char *)(uintptr_t)"{int, int}"};
+    const struct message_info_request request = {(char *)(uintptr_t) "point", NULL};
+    const struct two_names definition = {(char *)(uintptr_t) "pair",
+                                         (char *)(uintptr_t) "{int, int}"};
     (void)state;
     station_open(&station, NULL);
     peer_connect(&station, &peer, "M");
@@ -86,8 +87,8 @@ static void a_bad_format_spoils_only_its_message_and_may_become_good(void **stat
     struct peer peer;
     struct optional_message_info reply = {NULL};
     const struct format *format;
-    const struct message_info_request request = {(char *)(uintptr_t)"M", NULL};
-    const struct two_names definition = {(char *)(uintptr_t)"late", (char *)(uintptr_t)"int"};
+    const struct message_info_request request = {(char *)(uintptr_t) "M", NULL};
+    const struct two_names definition = {(char *)(uintptr_t) "late", (char *)(uintptr_t) "int"};
     (void)state;
     station_open(&station, NULL);
     peer_connect(&station, &peer, "M");
@@ -112,7 +113,7 @@ static void a_name_that_is_only_subscribed_to_has_number_0_and_class_1(void **st
     struct station station;
     struct peer peer;
     struct optional_message_info reply = {NULL};
-    const struct message_info_request request = {(char *)(uintptr_t)"Early", NULL};
+    const struct message_info_request request = {(char *)(uintptr_t) "Early", NULL};
     (void)state;
     station_open(&station, NULL);
     peer_connect(&station, &peer, "M");
@@ -128,17 +129,22 @@ static void a_name_that_is_only_subscribed_to_has_number_0_and_class_1(void **st
 static void class_formats_are_told(void **state)
 {
     static const char *const expected[17] = {
-        [2] = "string", [4] = "int", [5] = "{int, int}", [7] = "int",
+        [2] = "string",
+        [4] = "int",
+        [5] = "{int, int}",
+        [7] = "int",
         [8] = "{{int, {int, int}}, {int, {int, int}}, *{int, int, int, int, int}}",
         [9] = "int",
         [10] = "{{int, {int, int}}, {int, {int, int}}, *{int, int, int, int, int}}",
-        [13] = "string", [14] = "int", [16] = "{int, int}"};
+        [13] = "string",
+        [14] = "int",
+        [16] = "{int, int}"};
     struct station station;
     struct peer peer;
     (void)state;
     station_open(&station, NULL);
     peer_greet(&station, &peer, "M");
-    for (int class = -1; class < 17; class++) {
+    for (int class = -1; class < 17; class ++) {
         struct optional_class_info reply = {NULL};
         assert_true(peer_ask(&peer, LM_CLASS_INFO, &class, &reply));
         const char *wanted = class < 0 ? NULL : expected[class];
@@ -158,16 +164,16 @@ static void the_introduction_is_logged_and_told_before_it_is_answered(void **sta
     struct station station;
     struct peer watcher, peer;
     struct frame frame;
-    const struct subscription_notice notice = {7, (char *)(uintptr_t)"x_ipc_connectNotify",
-                                               (char *)(uintptr_t)"x_ipc_connectNotify"};
+    const struct subscription_notice notice = {7, (char *)(uintptr_t) "x_ipc_connectNotify",
+                                               (char *)(uintptr_t) "x_ipc_connectNotify"};
     (void)state;
     station_open(&station, NULL);
     peer_connect(&station, &watcher, "Watcher");
     (void)peer_tell(&watcher, LM_SUBSCRIBE, &notice);
     (void)station_log(&station);
     peer_greet(&station, &peer, "Arm");
-    const struct introduction introduction = {(char *)(uintptr_t)"Arm",
-                                              (char *)(uintptr_t)"robot1"};
+    const struct introduction introduction = {(char *)(uintptr_t) "Arm",
+                                              (char *)(uintptr_t) "robot1"};
     (void)peer_tell(&peer, LM_INTRODUCTION, &introduction);
     station_run(&station);
     assert_string_equal(station_log(&station),
@@ -184,7 +190,7 @@ static void a_second_introduction_changes_nothing(void **state)
 {
     struct station station;
     struct peer peer;
-    const struct introduction again = {(char *)(uintptr_t)"Other", (char *)(uintptr_t)"robot"};
+    const struct introduction again = {(char *)(uintptr_t) "Other", (char *)(uintptr_t) "robot"};
     (void)state;
     station_open(&station, NULL);
     peer_connect(&station, &peer, "M");
@@ -251,8 +257,7 @@ static void of_too_many_strangers_the_oldest_has_to_go(void **state)
 static void introduce(struct station *station, struct peer *peer, const char *name)
 {
     struct introduction_reply version;
-    const struct introduction introduction = {(char *)(uintptr_t)name,
-                                              (char *)(uintptr_t)"robot"};
+    const struct introduction introduction = {(char *)(uintptr_t)name, (char *)(uintptr_t) "robot"};
     peer_greet(station, peer, name);
     assert_true(peer_ask(peer, LM_INTRODUCTION, &introduction, &version));
 }
@@ -299,9 +304,9 @@ static void a_module_waits_for_what_it_requires(void **state)
     struct station station;
     struct peer needy, other;
     struct frame frame;
-    char *names[] = {(char *)(uintptr_t)"Gripper", (char *)(uintptr_t)"Needy"};
+    char *names[] = {(char *)(uintptr_t) "Gripper", (char *)(uintptr_t) "Needy"};
     const struct name_list wanted = {2, 2, names};
-    const struct number_and_name resource = {1, (char *)(uintptr_t)"gripper"};
+    const struct number_and_name resource = {1, (char *)(uintptr_t) "gripper"};
     (void)state;
     station_open(&station, NULL);
     introduce(&station, &needy, "Needy");

@@ -147,9 +147,10 @@ static void requests_to_the_server_with_what_they_cause(void **state)
         "  Done    x_ipc_registerHandlerMsg:\n");
     assert_true(peer_id_of(&robot.arm, "Ping") > 0);
     const char *text = station_log(&robot.station);
-    assert_non_null(strstr(text, "Query     x_ipc_msgInfoMsg:        Arm --> X_IPC Server    (Sent)\n"
-                                 "    {\"Ping\", \"NULL\"}\n"
-                                 "  Reply  x_ipc_msgInfoMsg: X_IPC Server --> Arm            \n"));
+    assert_non_null(strstr(text,
+                           "Query     x_ipc_msgInfoMsg:        Arm --> X_IPC Server    (Sent)\n"
+                           "    {\"Ping\", \"NULL\"}\n"
+                           "  Reply  x_ipc_msgInfoMsg: X_IPC Server --> Arm            \n"));
     assert_non_null(strstr(text, ", \"Ping\", 15, {int, <byte : 1>}, int}\n"));
     peer_define(&robot.planner, "Ping", "double");
     station_run(&robot.station);
@@ -167,11 +168,11 @@ static void the_registrations_at_the_start(void **state)
     (void)state;
     station_open(&station, arguments);
     const char *text = station_log(&station);
-    assert_non_null(strstr(
-        text, "Inform    x_ipc_registerGlobalVar: X_IPC Server --> X_IPC Server    (Sent)\n"
-              "    {\"CENTRAL_TERMINAL_LOG_VAR\", \"\n"
-              "     {*int,int,int,int,int,int,int,int,int,int,int,int}\"}\n"
-              "  Done    x_ipc_registerGlobalVar:\n"));
+    assert_non_null(
+        strstr(text, "Inform    x_ipc_registerGlobalVar: X_IPC Server --> X_IPC Server    (Sent)\n"
+                     "    {\"CENTRAL_TERMINAL_LOG_VAR\", \"\n"
+                     "     {*int,int,int,int,int,int,int,int,int,int,int,int}\"}\n"
+                     "  Done    x_ipc_registerGlobalVar:\n"));
     assert_non_null(strstr(
         text, "Inform    V_set_CENTRAL_TERMINAL_LOG_VAR: X_IPC Server --> X_IPC Server    (Sent)\n"
               "    {NULL, 1, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0}\n"
@@ -186,7 +187,7 @@ static void the_registrations_at_the_start(void **state)
 static void ignored_messages_do_not_show_where_a_log_ignores(void **state)
 {
     struct robot robot;
-    char *ping = (char *)(uintptr_t)"PING";
+    char *ping = (char *)(uintptr_t) "PING";
     (void)state;
     open_robot(&robot, "-lmi");
     peer_subscribe(&robot.arm, "Ping", 1);
@@ -210,9 +211,9 @@ static void raw_empty_and_bad_data(void **state)
     const uint8_t bytes[] = {1, 2, 0xff, 0x61};
     (void)state;
     open_robot(&robot, "-lmdi");
-    const struct message_definition fixed = {(char *)(uintptr_t)"Fix", CLASS_BROADCAST,
-                                             (char *)(uintptr_t)"[byte:4]", NULL};
-    const struct message_definition empty = {(char *)(uintptr_t)"Empty", CLASS_BROADCAST, NULL,
+    const struct message_definition fixed = {(char *)(uintptr_t) "Fix", CLASS_BROADCAST,
+                                             (char *)(uintptr_t) "[byte:4]", NULL};
+    const struct message_definition empty = {(char *)(uintptr_t) "Empty", CLASS_BROADCAST, NULL,
                                              NULL};
     (void)peer_tell(&robot.planner, LM_DEFINE_MESSAGE, &fixed);
     (void)peer_tell(&robot.planner, LM_DEFINE_MESSAGE, &empty);

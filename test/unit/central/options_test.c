@@ -33,7 +33,7 @@ static void close_fixture(struct fixture *f)
 static enum options_result parse(struct fixture *f, const char *line)
 {
     static char words[500];
-    char *arguments[20] = {(char *)(uintptr_t)"central"};
+    char *arguments[20] = {(char *)(uintptr_t) "central"};
     int count = 1;
     const struct options_output output = {&f->out, &f->errors};
     open_fixture(f);
@@ -152,9 +152,10 @@ static void the_listing_and_the_version_are_shown_alone(void **state)
     assert_int_equal(f.options.port, 1381);
     assert_int_equal(buffer_append(&f.out, "", 1), 0);
     const char *text = (char *)f.out.bytes;
-    assert_int_equal(strncmp(text, "central command line options:\n"
-                                   " -v: display server version info.\n"
-                                   " -l: logging onto terminal.\n",
+    assert_int_equal(strncmp(text,
+                             "central command line options:\n"
+                             " -v: display server version info.\n"
+                             " -l: logging onto terminal.\n",
                              60),
                      0);
     assert_non_null(strstr(text, "\n -p<port>: specify the server port - the default port is: "

@@ -56,8 +56,7 @@ static struct delivery *add(struct fixture *fixture, char letter, int number)
     delivery->letter = letter;
     delivery->number = number;
     pending_item_init(&delivery->item);
-    return delivery_of(
-        pending_add(&fixture->queue, subject(fixture, letter), &delivery->item, 10));
+    return delivery_of(pending_add(&fixture->queue, subject(fixture, letter), &delivery->item, 10));
 }
 
 /* Adds what a text like "A0 B1" says, freeing what has to leave. */
@@ -229,7 +228,8 @@ static void any_delivery_can_be_taken_out(void **state)
 
 /* --------------------------------------------------------- comparison with a model */
 
-/* The model: an array of letters in the order of their turns, and per letter the numbers that wait. */
+/* The model: an array of letters in the order of their turns, and per letter the numbers that wait.
+ */
 enum { MODEL_ROOM = 4096 };
 
 struct model {
@@ -336,8 +336,7 @@ static void step(struct fixture *fixture, struct model *model, uint32_t *seed, i
         compare_take(fixture, model);
     } else if (choice < 98) {
         model->priorities[index_of(letter)] = (int)(next_random(seed) % 4) - 1;
-        pending_subject_set_priority(subject(fixture, letter),
-                                     model->priorities[index_of(letter)]);
+        pending_subject_set_priority(subject(fixture, letter), model->priorities[index_of(letter)]);
     } else {
         const int limit = (int)(next_random(seed) % 12) - 1;
         assert_int_equal(pending_set_limit(&fixture->queue, subject(fixture, letter), limit),

@@ -139,8 +139,7 @@ static void frames_may_come_byte_by_byte(void **state)
     const uint8_t data[12] = {4, 0, 0, 0, 4, 0, 0, 0, 3, 0, 0, 0};
     (void)state;
     open_fixture(&f);
-    peer_frame(&f.bad, &frame, CLASS_BROADCAST,
-               message_find(&f.station.server.messages, "M")->id);
+    peer_frame(&f.bad, &frame, CLASS_BROADCAST, message_find(&f.station.server.messages, "M")->id);
     frame.data_length = sizeof data;
     frame.data_order = ORDER_LITTLE;
     frame_write_header(&frame, bytes);
@@ -175,14 +174,14 @@ static void data_that_do_not_fit_their_format_end_that_connection(void **state)
         size_t length;
         uint8_t bytes[16];
     } cases[] = {
-        {LM_SUBSCRIBE, 0, {0}},                                 /* none at all */
-        {LM_SUBSCRIBE, 1, {1}},                                 /* cut */
-        {LM_IS_CONNECTED, 5, {0xe8, 3, 0, 0, 'x'}},             /* string beyond the data */
-        {LM_IS_CONNECTED, 7, {1, 0, 0, 0, 'x', 'y', 'z'}},      /* bytes left over */
-        {LM_IS_CONNECTED, 5, {0xff, 0xff, 0xff, 0x7f, 'x'}},    /* largest count */
-        {LM_GET_FORMAT, 5, {0xff, 0xff, 0xff, 0xff, 'x'}},      /* negative count */
-        {LM_CLASS_INFO, 8, {4, 0, 0, 0, 4, 0, 0, 0}},           /* one int too many */
-        {LM_READY, 4, {0}},                                     /* data where none belong */
+        {LM_SUBSCRIBE, 0, {0}},                                        /* none at all */
+        {LM_SUBSCRIBE, 1, {1}},                                        /* cut */
+        {LM_IS_CONNECTED, 5, {0xe8, 3, 0, 0, 'x'}},                    /* string beyond the data */
+        {LM_IS_CONNECTED, 7, {1, 0, 0, 0, 'x', 'y', 'z'}},             /* bytes left over */
+        {LM_IS_CONNECTED, 5, {0xff, 0xff, 0xff, 0x7f, 'x'}},           /* largest count */
+        {LM_GET_FORMAT, 5, {0xff, 0xff, 0xff, 0xff, 'x'}},             /* negative count */
+        {LM_CLASS_INFO, 8, {4, 0, 0, 0, 4, 0, 0, 0}},                  /* one int too many */
+        {LM_READY, 4, {0}},                                            /* data where none belong */
         {LM_PROVIDES, 12, {1, 0, 0, 0, 0, 0, 0, 0x40, 0, 0, 0, 0x40}}, /* array beyond the data */
     };
     (void)state;
@@ -240,10 +239,14 @@ static void assert_ignored(struct fixture *f, const char *reason)
 
 static void internal_messages_cannot_be_taken_over(void **state)
 {
-    static const char *const names[] = {"x_ipc_msgInfoMsg", "waitMsg", "ipc_setMsgPriority",
-                                        "X_IPC_CLOSEMSG", "x_ipc_brand_new",
+    static const char *const names[] = {"x_ipc_msgInfoMsg",
+                                        "waitMsg",
+                                        "ipc_setMsgPriority",
+                                        "X_IPC_CLOSEMSG",
+                                        "x_ipc_brand_new",
                                         "V_get_" VARIABLE_BROADCASTS,
-                                        "V_watch_" VARIABLE_BROADCASTS, "x_ipc_connectNotify"};
+                                        "V_watch_" VARIABLE_BROADCASTS,
+                                        "x_ipc_connectNotify"};
     (void)state;
     for (size_t i = 0; i < N_ELEMENTS(names); i++) {
         struct fixture f;
@@ -291,10 +294,11 @@ static void numbers_and_names_that_nobody_has_are_ignored(void **state)
 {
     struct fixture f;
     const int number = 12345;
-    const struct two_names unknown = {(char *)(uintptr_t)"no handler",
-                                      (char *)(uintptr_t)"no resource"};
-    const struct pending_limit nowhere = {(char *)(uintptr_t)"M", (char *)(uintptr_t)"nowhere", 5};
-    const struct number_and_name port = {8000, (char *)(uintptr_t)"Healthy"};
+    const struct two_names unknown = {(char *)(uintptr_t) "no handler",
+                                      (char *)(uintptr_t) "no resource"};
+    const struct pending_limit nowhere = {(char *)(uintptr_t) "M", (char *)(uintptr_t) "nowhere",
+                                          5};
+    const struct number_and_name port = {8000, (char *)(uintptr_t) "Healthy"};
     (void)state;
     open_fixture(&f);
     (void)peer_tell(&f.bad, LM_UNLOCK, &number);
@@ -347,7 +351,8 @@ static void damaged_requests_end_their_sender_at_most(void **state)
         for (int i = 0; i < 200 && !peer_is_closed(&f.bad); i++) {
             uint8_t bytes[FRAME_HEADER_SIZE + 40];
             struct frame frame;
-            const enum library_message which = (enum library_message)(next_random(&seed) % LM_COUNT);
+            const enum library_message which =
+                (enum library_message)(next_random(&seed) % LM_COUNT);
             frame_init(&frame, (enum frame_class)library_messages[which].class);
             frame.intent = f.station.server.library[which]->id;
             frame.data_length = next_random(&seed) % 40;

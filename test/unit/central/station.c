@@ -18,7 +18,7 @@ enum { MAX_ARGUMENTS = 16, GREETING_SIZE = 137 };
 
 void station_open(struct station *station, const char *const *arguments)
 {
-    char *words[MAX_ARGUMENTS] = {(char *)(uintptr_t)"central"};
+    char *words[MAX_ARGUMENTS] = {(char *)(uintptr_t) "central"};
     int count = 1;
     struct buffer out, errors;
     const struct options_output output = {&out, &errors};
@@ -238,8 +238,7 @@ static void set_number(struct frame *frame, uint8_t data[12], int number)
     frame->data_length = 12;
 }
 
-void peer_respond(struct peer *peer, const struct frame *delivery, const char *message,
-                  int number)
+void peer_respond(struct peer *peer, const struct frame *delivery, const char *message, int number)
 {
     uint8_t data[12];
     uint8_t name[100];
@@ -264,8 +263,7 @@ static const struct catalogue *catalogue_of(const struct peer *peer)
 }
 
 /* Sends a frame of the message's class with an encoded payload. */
-static int send_payload(struct peer *peer, enum library_message which, int id,
-                        const void *payload)
+static int send_payload(struct peer *peer, enum library_message which, int id, const void *payload)
 {
     struct buffer data;
     struct frame frame;
@@ -367,8 +365,7 @@ void peer_connect(struct station *station, struct peer *peer, const char *name)
     struct introduction_reply version;
     int yes = 0;
     peer_greet(station, peer, name);
-    const struct introduction introduction = {(char *)(uintptr_t)name,
-                                              (char *)(uintptr_t)"robot"};
+    const struct introduction introduction = {(char *)(uintptr_t)name, (char *)(uintptr_t) "robot"};
     assert_true(peer_ask(peer, LM_INTRODUCTION, &introduction, &version));
     assert_int_equal(version.major, 3);
     assert_true(peer_ask(peer, LM_READY, NULL, &yes));
@@ -391,9 +388,9 @@ bool peer_is_closed(const struct peer *peer)
 
 void peer_define(struct peer *peer, const char *name, const char *content)
 {
-    const struct message_definition definition = {
-        (char *)(uintptr_t)name, CLASS_BROADCAST, (char *)(uintptr_t)"{int, <byte:1>}",
-        (char *)(uintptr_t)content};
+    const struct message_definition definition = {(char *)(uintptr_t)name, CLASS_BROADCAST,
+                                                  (char *)(uintptr_t) "{int, <byte:1>}",
+                                                  (char *)(uintptr_t)content};
     (void)peer_tell(peer, LM_DEFINE_MESSAGE, &definition);
 }
 
@@ -428,8 +425,8 @@ void peer_set_capacity(struct peer *peer, int capacity)
 
 void peer_set_limit(struct peer *peer, const char *message, int limit)
 {
-    const struct pending_limit payload = {(char *)(uintptr_t)message,
-                                          (char *)(uintptr_t)peer->name, limit};
+    const struct pending_limit payload = {(char *)(uintptr_t)message, (char *)(uintptr_t)peer->name,
+                                          limit};
     (void)peer_tell(peer, LM_LIMIT_PENDING, &payload);
     station_run(peer->station);
 }
@@ -445,8 +442,7 @@ static int send_number(struct peer *peer, enum frame_class class, const char *me
 {
     uint8_t data[12];
     struct frame frame;
-    peer_frame(peer, &frame, class,
-               message_find(&peer->station->server.messages, message)->id);
+    peer_frame(peer, &frame, class, message_find(&peer->station->server.messages, message)->id);
     set_number(&frame, data, number);
     peer_send(peer, &frame);
     station_run(peer->station);

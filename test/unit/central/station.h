@@ -79,8 +79,7 @@ const char *peer_delivery(struct peer *peer, struct frame *frame);
 void peer_expect(struct peer *peer, const char *deliveries);
 
 void peer_acknowledge(struct peer *peer, const struct frame *delivery);
-void peer_respond(struct peer *peer, const struct frame *delivery, const char *message,
-                  int number);
+void peer_respond(struct peer *peer, const struct frame *delivery, const char *message, int number);
 
 /* ------------------------------------------------------------------- requests */
 

@@ -16,7 +16,8 @@
 
 #include "base/error.h"
 
-/* A pipe that poll calls writable takes this much at once (POSIX promises 512, systems give a page). */
+/* A pipe that poll calls writable takes this much at once (POSIX promises 512, systems give a
+ * page). */
 enum { PIPE_PIECE = 4096 };
 
 void process_complete_streams(void)
@@ -71,7 +72,8 @@ static ssize_t write_terminal(int fd, const void *bytes, size_t count)
 {
     const int flags = fcntl(fd, F_GETFL);
     if (flags >= 0) {
-        (void)fcntl(fd, F_SETFL, flags | O_NONBLOCK); /* a refusal only means that the write may wait */
+        (void)fcntl(fd, F_SETFL,
+                    flags | O_NONBLOCK); /* a refusal only means that the write may wait */
     }
     const ssize_t n = write(fd, bytes, count);
     const int saved = errno;
@@ -154,8 +156,7 @@ int process_catch_signals(const struct waker *waker)
     caught.waker = waker;
     const bool done = catch_signal(SIGINT, note_signal) == 0 &&
                       catch_signal(SIGTERM, note_signal) == 0 &&
-                      catch_signal(SIGHUP, note_signal) == 0 &&
-                      catch_signal(SIGPIPE, SIG_IGN) == 0;
+                      catch_signal(SIGHUP, note_signal) == 0 && catch_signal(SIGPIPE, SIG_IGN) == 0;
     return done ? 0 : ERR_IO;
 }
 
