@@ -35,8 +35,8 @@ struct awaited {
 };
 
 struct _X_IPC_CONTEXT {
-    struct library *library;
     struct list in_library;
+    struct library *library;
     enum context_state state;
     bool unseen;           /* no program has got its address, and none does before it is connected */
     unsigned greeting;     /* parts of central's greeting taken so far, GREETING_PARTS: all */
