@@ -2,6 +2,7 @@
 
 option(BUILD_SHARED_LIBS "Target ipc is the shared library; the static one is built beside it" ON)
 option(IPC_BUILD_EXAMPLES "Build the manual's example programs" ${IPC_TOP_LEVEL})
+option(IPC_BUILD_XDRGEN "Build the program xdrgen (needs bison and flex)" ${IPC_TOP_LEVEL})
 option(IPC_INSTALL "Add what is built to the install target" ${IPC_TOP_LEVEL})
 option(IPC_WERROR "Treat warnings as errors" OFF)
 set(IPC_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
