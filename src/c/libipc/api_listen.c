@@ -96,12 +96,18 @@ IPC_RETURN_TYPE IPC_dispatch(void)
 
 /* ---------------------------------------------------------------- descriptors */
 
+static bool is_open(int fd)
+{
+    struct ready_item item = {fd, READY_READ, 0};
+    return fd >= 0 && ready_wait(&item, 1, 0) >= 0 && (item.found & READY_INVALID) == 0;
+}
+
 IPC_RETURN_TYPE IPC_subscribeFD(int fd, FD_HANDLER_TYPE handler, void *clientData)
 {
     if (handler == NULL) {
         return report(IPC_Null_Argument);
     }
-    if (fd < 0) {
+    if (!is_open(fd)) {
         return report(IPC_Argument_Out_Of_Range);
     }
     struct library *library = library_enter();
