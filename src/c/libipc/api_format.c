@@ -79,9 +79,8 @@ IPC_RETURN_TYPE IPC_checkMsgFormats(const char *msgName, const char *formatStrin
         error = registry_find(api.context, msgName, true, &message);
     }
     if (error == IPC_No_Error &&
-        formatter_parse(api.library, formatString, &format) != FORMATTER_OK) {
-        error = IPC_Illegal_Formatter;
-    } else if (error == IPC_No_Error && !format_equal(format, message->content)) {
+        (formatter_parse(api.library, formatString, &format) != FORMATTER_OK ||
+         !format_equal(format, message->content))) {
         error = IPC_Mismatched_Formatter;
     }
     return api_leave(&api, error);
