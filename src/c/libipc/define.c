@@ -30,6 +30,15 @@ static IPC_ERROR_TYPE check(struct library *library, unsigned int length, const 
     return length <= LIMIT_DATA ? IPC_No_Error : IPC_Argument_Out_Of_Range;
 }
 
+static void warn_of_change(const char *name, const struct format *before, const char *text)
+{
+    char *canonical = before != NULL ? format_canonical(before) : NULL;
+    report_warning("WARNING: Redefining message %s\n  format before: %s\n  format now: %s\n", name,
+                   canonical != NULL ? canonical : "none",
+                   text != NULL && *text != '\0' ? text : "none");
+    free(canonical);
+}
+
 /* A definition that this module has used before is not what it will use from now on. */
 static void renew(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
                   const char *text)
@@ -46,7 +55,7 @@ static void renew(struct _X_IPC_CONTEXT *context, const char *name, unsigned int
                              format_equal(format, message->content);
     if (message->wire != wire || (wire == WIRE_FIXED && message->fixed_length != length) ||
         !same_format) {
-        report_warning("WARNING: Redefining message %s\n", name);
+        warn_of_change(name, message->content, text);
     }
     registry_renew(message);
 }
