@@ -52,7 +52,7 @@ class Runs:
         sources = [os.path.join(HERE, file) for file in (program + ".c", "check.c")]
         return self.compiler.program(
             sources, self.library, includes=[HERE],
-            flags=["-std=c99", "-D_XOPEN_SOURCE=700", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow",
+            flags=["-std=c99", "-D_DEFAULT_SOURCE", "-D_XOPEN_SOURCE=700", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow",
                    "-Werror"])
 
     def run(self, path, name):
