@@ -89,7 +89,7 @@ definition:
                                                 scan_string_value($4)); }
   | PASS_THROUGH_CODE                    { tree_add_code(parse->tree, $1, &@1); }
   | error ';'                            { yyerrok; }
-  | error skipped ';'                    { yyerrok; }
+  | error skipped rest ';'               { yyerrok; }
 ;
 
 declaration:
@@ -158,7 +158,7 @@ fields:
 field:
     declaration ';'                      { $$ = $1; }
   | error ';'                            { $$ = NULL; yyerrok; }
-  | error skipped ';'                    { $$ = NULL; yyerrok; }
+  | error skipped rest ';'               { $$ = NULL; yyerrok; }
 ;
 
 enumeration:
@@ -184,15 +184,21 @@ skipped:
 
 tokens:
     %empty
-  | tokens token
+  | tokens word
+  | tokens ';'
   | tokens skipped
 ;
 
-token:
+rest:
+    %empty
+  | rest word
+;
+
+word:
     IDENTIFIER | LONGVAL | STRINGVAL | PASS_THROUGH_CODE
   | BOOL | CHAR | DOUBLE | ENUM | FLOAT | INT | IPC_TYPE | OPAQUE | STRING | STRUCT | TYPEDEF
   | UNSIGNED | VOID | LONG | SHORT | UNSUPPORTED
-  | '[' | ']' | '<' | '>' | '(' | ')' | '.' | ',' | ';' | ':' | '='
+  | '[' | ']' | '<' | '>' | '(' | ')' | '.' | ',' | ':' | '='
 ;
 
 %%

@@ -115,12 +115,12 @@ void parse_report_unexpected(struct parse *parse, const struct place *place, con
         append(modern, i == 0 ? ", expected " : " or ");
         append(modern, words);
     }
-    describe(found, words);
-    const bool names_itself = token.length > 0 && strcmp(found, "PASS_THROUGH_CODE") != 0;
-    diagnostics_error(parse->diagnostics, place, token.length, "unexpected %s%s%.*s%s%s", words,
-                      names_itself && words[0] != '`' ? " `" : "",
-                      names_itself && words[0] != '`' ? shown(token) : 0, token.bytes,
-                      names_itself && words[0] != '`' ? "'" : "", modern);
+    if (token.length > 0 && strcmp(found, "PASS_THROUGH_CODE") != 0)
+        diagnostics_error(parse->diagnostics, place, token.length, "unexpected `%.*s'%s",
+                          shown(token), token.bytes, modern);
+    else
+        diagnostics_error(parse->diagnostics, place, token.length, "unexpected %s%s",
+                          token.length > 0 ? "code section" : "end of the file", modern);
     diagnostics_classic(parse->diagnostics, "before `%.*s': syntax error, unexpected %s%s",
                         shown(token), token.bytes, found, classic);
 }
