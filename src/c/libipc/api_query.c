@@ -167,7 +167,11 @@ IPC_RETURN_TYPE _IPC_queryResponse(const char *msgName, unsigned int length, BYT
     }
     if (error == IPC_No_Error && !timed_out) {
         *replyHandle = response.content;
-        known_arrays_add(api.library, response.content, response.length, response.order);
+        if (response.content != NULL) {
+            const struct array_mark mark =
+                known_arrays_mark(response.content, response.length, response.order);
+            known_arrays_add(api.library, &mark);
+        }
         if (replyFormatter != NULL) {
             *replyFormatter = formatter_of(response.message->content);
         }

@@ -84,8 +84,10 @@ static int call(struct instance *instance, struct handed *handed)
     struct library *library = context->library;
     const MSG_INSTANCE handle = instance_handle(instance);
     struct running running = {NULL, 0, context, true, instance->dispatch, NULL, 0, ORDER_LITTLE};
+    struct array_mark mark = {0, 0, 0, ORDER_LITTLE, {0}, {0}};
     instance->running = true;
-    if (handed->format == NULL) {
+    if (handed->format == NULL && instance->content != NULL) {
+        mark = known_arrays_mark(instance->content, instance->length, instance->order);
         running.content = instance->content;
         running.content_length = instance->length;
         running.content_order = instance->order;
@@ -102,8 +104,8 @@ static int call(struct instance *instance, struct handed *handed)
     library_call_end(library, &context->turn, &running);
     instance->running = false;
     if (error == 0 && running.content != NULL) {
-        /* The handler has kept the bytes and may unmarshall them later. */
-        known_arrays_add(library, running.content, running.content_length, running.content_order);
+        /* The handler has kept the bytes and may unmarshall them later, or has freed them itself. */
+        known_arrays_add(library, &mark);
     }
     return error;
 }

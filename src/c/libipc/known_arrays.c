@@ -4,49 +4,58 @@
 #include "libipc/known_arrays.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/limits.h"
 #include "base/memory.h"
 
 struct known_array {
     struct list in_order;
-    uintptr_t address;
-    size_t usable; /* of its malloc block: another value tells that it was freed and reused */
-    size_t length;
-    enum byte_order order;
+    struct array_mark mark;
 };
 
-static size_t usable_size(uintptr_t address)
+struct array_mark known_arrays_mark(const void *bytes, size_t length, enum byte_order order)
 {
-    return memory_usable_size((void *)address);
+    const size_t n_bytes = length < MARK_BYTES ? length : MARK_BYTES;
+    struct array_mark mark = {(uintptr_t)bytes, 0, length, order, {0}, {0}};
+    mark.usable = memory_usable_size((void *)mark.address);
+    memcpy(mark.first, bytes, n_bytes);
+    memcpy(mark.last, (const uint8_t *)bytes + length - n_bytes, n_bytes);
+    return mark;
+}
+
+/* Whether the array is still what its mark says.  The block's size comes first: nothing is read
+ * beyond the end of a smaller one. */
+static bool is_as_marked(const struct array_mark *mark)
+{
+    if (memory_usable_size((void *)mark->address) != mark->usable) {
+        return false;
+    }
+    const struct array_mark now =
+        known_arrays_mark((const void *)mark->address, mark->length, mark->order);
+    return memcmp(now.first, mark->first, MARK_BYTES) == 0 &&
+           memcmp(now.last, mark->last, MARK_BYTES) == 0;
 }
 
 static void forget(struct library *library, struct known_array *known)
 {
-    (void)intmap_remove(&library->known_arrays, known->address);
+    (void)intmap_remove(&library->known_arrays, known->mark.address);
     list_remove(&known->in_order);
     free(known);
 }
 
-void known_arrays_add(struct library *library, const void *bytes, size_t length,
-                      enum byte_order order)
+void known_arrays_add(struct library *library, const struct array_mark *mark)
 {
-    if (bytes == NULL) {
-        return;
-    }
-    struct known_array *known = intmap_find(&library->known_arrays, (uintptr_t)bytes);
+    struct known_array *known = intmap_find(&library->known_arrays, mark->address);
     if (known == NULL) {
         if (library->known_arrays.count >= LIMIT_KNOWN_ARRAYS) {
             forget(library, LIST_OWNER(library->known_order.next, struct known_array, in_order));
         }
         known = mem_new(sizeof *known);
-        known->address = (uintptr_t)bytes;
         list_append(&library->known_order, &known->in_order);
-        (void)intmap_put(&library->known_arrays, known->address, known); /* replaces nothing */
+        (void)intmap_put(&library->known_arrays, mark->address, known); /* replaces nothing */
     }
-    known->usable = usable_size(known->address);
-    known->length = length;
-    known->order = order;
+    known->mark = *mark;
 }
 
 void known_arrays_remove(struct library *library, const void *bytes)
@@ -78,11 +87,11 @@ struct format_source known_arrays_find(struct library *library, const void *byte
     if (known == NULL) {
         return source;
     }
-    if (known->usable != usable_size(known->address)) {
+    if (!is_as_marked(&known->mark)) {
         forget(library, known);
         return source;
     }
-    source.length = known->length;
-    source.order = known->order;
+    source.length = known->mark.length;
+    source.order = known->mark.order;
     return source;
 }
