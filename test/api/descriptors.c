@@ -182,9 +182,9 @@ CHECK_NEW(a_closed_descriptor_is_named)
     open_pipe();
     connected();
     IPC_subscribeFD(ends[0], read_a, "data");
-    close(ends[0]);
     IPC_setVerbosity(IPC_Print_Errors);
     capture();
+    close(ends[0]);
     EXPECT_ERROR(IPC_listen(50), IPC_Communication_Error);
     snprintf(expected, sizeof expected,
              "ERROR: Bad file descriptor %d in listen\n"
