@@ -15,6 +15,12 @@ if(TARGET central)
     file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
     set_target_properties(killCentral killModule PROPERTIES INSTALL_RPATH $ORIGIN/${bin_to_lib})
 endif()
+if(TARGET xdrgen)
+    install(TARGETS xdrgen EXPORT ipcTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/xdrgen.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/ipcXdrgen.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ipc)
+endif()
 install(FILES ${PROJECT_SOURCE_DIR}/include/ipc/ipc.h
               ${PROJECT_SOURCE_DIR}/include/ipc/ipcx.h
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ipc)

@@ -7,7 +7,7 @@ from install.tools import Installation, run, tool
 
 EXPECTED = {"central", "ipc.h", "ipcx.h", "ipc.pc", "ipcConfig.cmake", "ipcConfigVersion.cmake",
             "ipcTargets.cmake", "killCentral", "killModule", "libipc.a", "libipc.so", "libipc.so.1",
-            "LICENSE"}
+            "LICENSE", "xdrgen"}
 OUTPUT = '{1, "two"}\n'
 
 
