@@ -56,13 +56,12 @@ def is_original_central(program):
 
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_makereport(item, call):
-    """Shows what the centrals of a failed test have printed."""
+    """Shows what the programs of a failed test have printed."""
     outcome = yield
     report = outcome.get_result()
     if report.failed:
         for process in processes.started:
-            if isinstance(process, Central):
-                report.sections.append((f"output of {process}", process.output()[-3000:]))
+            report.sections.append((f"output of {process}", process.output()[-3000:]))
     if call.when == "teardown":
         processes.started.clear()
 

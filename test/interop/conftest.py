@@ -6,6 +6,7 @@ import subprocess
 import pytest
 
 from support.processes import Central, Process
+from support.waiting import Deadline, PATIENCE, SLOW, TimedOut
 
 MIXES = ["-".join(mix) for mix in itertools.product(("ours", "theirs"), repeat=3)]
 
@@ -53,6 +54,27 @@ def pair(mix, mixed_central, start_driver):
     central = mixed_central()
     return tuple(start_driver(name, using=library).connect(central.address)
                  for name, library in (("FIRST", mix.first), ("SECOND", mix.second)))
+
+
+@pytest.fixture
+def await_line():
+    """Waits until a program prints a line, touching the keys of others meanwhile.
+
+    An original that waits for its descriptors does not see a message that it has already read;
+    a key press makes it look.
+    """
+    def wait(program, pattern, *originals, stream="stdout"):
+        deadline = Deadline()
+        while True:
+            try:
+                return program.wait_for_line(pattern, stream=stream, seconds=min(
+                    deadline.left(), 0.5 * SLOW if originals else PATIENCE))
+            except TimedOut:
+                if deadline.passed():
+                    raise
+                for original in originals:
+                    original.write_line("touched")
+    return wait
 
 
 @pytest.fixture
