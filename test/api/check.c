@@ -244,7 +244,7 @@ bool is_original(void)
 void settle(void)
 {
     if (is_original()) {
-        IPC_listenClear(100);
+        IPC_listenWait(200);
     }
 }
 
