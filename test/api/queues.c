@@ -99,7 +99,14 @@ static void prepare_three(int capacity)
     IPC_subscribe("lo", note_a, "lo");
     IPC_subscribe("mid", note_b, "mid");
     IPC_subscribe("hi", note_c, "hi");
-    EXPECT(IPC_msgFormatter("lo") && IPC_msgFormatter("mid") && IPC_msgFormatter("hi"));
+    settle();
+    publish_int("lo", 9);
+    listen_until(1); /* an original learns what it has subscribed to with the first message */
+    publish_int("mid", 9);
+    listen_until(2);
+    publish_int("hi", 9);
+    listen_until(3);
+    EXPECT_TEXT(recorded(), "lo9 mid9 hi9 ");
 }
 
 static void handle_burst(void)
