@@ -6,6 +6,7 @@
 #include "libipc/api.h"
 #include "libipc/compat.h"
 #include "libipc/connect.h"
+#include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/inbox.h"
 #include "libipc/watch_fd.h"
@@ -75,32 +76,51 @@ int IPC_isModuleConnected(const char *moduleName)
     return api_leave(&api, error) == IPC_OK ? connected != 0 : -1;
 }
 
-static void add_fd(fd_set *set, int fd)
+/* The set under construction, and whose it is. */
+struct connections {
+    struct library *library;
+    fd_set set;
+};
+
+static void add_fd(struct connections *connections, int fd)
 {
     if (fd >= 0 && fd < FD_SETSIZE) {
-        FD_SET(fd, set);
+        FD_SET(fd, &connections->set);
     }
+    if (fd > connections->library->max_fd) {
+        connections->library->max_fd = fd;
+    }
+}
+
+static void add_direct(void *connections, int fd, int wanted, struct _X_IPC_CONTEXT *context)
+{
+    (void)wanted;
+    (void)context;
+    add_fd(connections, fd);
 }
 
 fd_set IPC_getConnections(void)
 {
     struct api api;
-    fd_set set;
-    FD_ZERO(&set);
+    struct connections connections;
+    FD_ZERO(&connections.set);
     if (api_enter(&api) == IPC_No_Error) {
+        connections.library = api.library;
         struct list *position = api.library->watched_fds.next;
-        add_fd(&set, api.context->link.fd);
+        add_fd(&connections, api.context->link.fd);
+        direct_each_fd(api.context, add_direct, &connections);
         for (; position != &api.library->watched_fds; position = position->next) {
-            add_fd(&set, LIST_OWNER(position, struct watched_fd, in_library)->fd);
+            add_fd(&connections, LIST_OWNER(position, struct watched_fd, in_library)->fd);
         }
         if (inbox_first(api.context) != NULL) {
-            /* A program that waits for these descriptors must not sleep over messages that are here. */
-            add_fd(&set, api.library->waker.read_fd);
+            /* A program that waits for these descriptors must not sleep over messages that are
+             * here. */
+            add_fd(&connections, api.library->waker.read_fd);
             waker_wake(&api.library->waker);
         }
     }
     library_leave(api.library);
-    return set;
+    return connections.set;
 }
 
 void IPC_perror(const char *msg)

@@ -29,6 +29,7 @@ fd_set *x_ipcGetConnections(void)
 
 int x_ipcGetMaxConnection(void)
 {
+    (void)IPC_getConnections(); /* brings the largest one up to date */
     struct library *library = library_enter();
     const int max_fd = library->max_fd;
     library_leave(library);
