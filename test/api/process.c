@@ -3,9 +3,7 @@
  */
 #include "check.h"
 
-#include <dirent.h>
 #include <fcntl.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -382,49 +380,34 @@ CHECK_NEW(the_queue_length_holds_for_direct_messages)
     EXPECT_TEXT(recorded(), "6 7 ");
 }
 
-static int n_own_sockets(void)
-{
-    struct stat status;
-    char path[300];
-    int count = 0;
-    DIR *directory = opendir("/tmp/x_ipc");
-    for (struct dirent *entry = NULL; directory && (entry = readdir(directory)) != NULL;) {
-        snprintf(path, sizeof path, "/tmp/x_ipc/%s", entry->d_name);
-        const int port = atoi(entry->d_name);
-        count += port >= 8000 && port <= 9000 && lstat(path, &status) == 0 &&
-                 S_ISSOCK(status.st_mode);
-    }
-    if (directory) {
-        closedir(directory);
-    }
-    return count;
-}
-
-/* The path of the Unix socket on which this module is reached by others, "" if there is none. */
-static void own_socket(char *path, size_t size)
+/* The path at which the socket with that inode is bound, "" if there is none. */
+static void bound_path(unsigned long inode, char *path, size_t size)
 {
     char line[300];
+    char name[200];
+    unsigned long found;
+    FILE *sockets = fopen("/proc/self/net/unix", "r");
+    path[0] = '\0';
+    while (sockets && fgets(line, sizeof line, sockets)) {
+        if (sscanf(line, "%*s %*s %*s %*s %*s %*s %lu %199s", &found, name) == 2 &&
+            found == inode) {
+            snprintf(path, size, "%s", name);
+        }
+    }
+    if (sockets) {
+        fclose(sockets);
+    }
+}
+
+/* The path of the Unix socket on which this module is reached by others. */
+static void own_socket(char *path, size_t size)
+{
+    struct stat status;
     fd_set set = IPC_getConnections();
     path[0] = '\0';
-    for (int fd = 0; fd < FD_SETSIZE; fd++) {
-        FILE *file = NULL;
-        unsigned long inode = 0;
-        unsigned long found;
-        char name[200];
-        struct stat status;
-        if (!FD_ISSET(fd, &set) || fstat(fd, &status) != 0) {
-            continue;
-        }
-        inode = (unsigned long)status.st_ino;
-        file = fopen("/proc/self/net/unix", "r");
-        while (file && fgets(line, sizeof line, file)) {
-            if (sscanf(line, "%*s %*s %*s %*s %*s %*s %lu %199s", &found, name) == 2 &&
-                found == inode) {
-                snprintf(path, size, "%s", name);
-            }
-        }
-        if (file) {
-            fclose(file);
+    for (int fd = 0; fd < FD_SETSIZE && path[0] == '\0'; fd++) {
+        if (FD_ISSET(fd, &set) && fstat(fd, &status) == 0) {
+            bound_path((unsigned long)status.st_ino, path, size);
         }
     }
 }
@@ -433,24 +416,31 @@ PLAYER(exits_without_a_word)
 {
     char path[200];
     own_socket(path, sizeof path);
-    EXPECT(path[0] != '\0');
     player_say(0);
+    player_say(atoi(path[0] ? strrchr(path, '/') + 1 : "-1"));
     player_wait();
     exit(access(path, F_OK) == 0 ? 0 : 1);
 }
 
-CHECK_NEW(sockets_of_direct_mode_are_removed)
+CHECK_NEW(the_socket_of_direct_mode_is_removed_when_a_module_disconnects)
 {
     char path[200];
-    struct central *central = directly_connected();
+    directly_connected();
     own_socket(path, sizeof path);
     EXPECT(path[0] != '\0');
     EXPECT_INT(access(path, F_OK), 0);
     IPC_disconnect();
     EXPECT(access(path, F_OK) != 0);
-    const int before = n_own_sockets();
+}
+
+CHECK_NEW(the_socket_of_direct_mode_is_removed_when_a_module_exits)
+{
+    char path[200];
+    struct central *central = directly_connected();
     struct module *module = module_start("exits_without_a_word", central);
+    snprintf(path, sizeof path, "/tmp/x_ipc/%d", module_hear(module));
+    EXPECT_INT(access(path, F_OK), 0);
     module_tell(module, 1);
     EXPECT_INT(module_end(module), 0);
-    EXPECT(n_own_sockets() <= before + 1);
+    EXPECT(access(path, F_OK) != 0);
 }
