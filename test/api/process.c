@@ -433,6 +433,25 @@ CHECK_NEW(the_socket_of_direct_mode_is_removed_when_a_module_disconnects)
     EXPECT(access(path, F_OK) != 0);
 }
 
+CHECK_NEW(a_child_leaves_the_socket_of_direct_mode_alone)
+{
+    char path[200];
+    directly_connected();
+    own_socket(path, sizeof path);
+    const pid_t exits = fork();
+    if (exits == 0) {
+        exit(0);
+    }
+    EXPECT_INT(status_of(exits), 0);
+    const pid_t closes = fork();
+    if (closes == 0) {
+        x_ipcCloseInternal(0);
+        exit(0);
+    }
+    EXPECT_INT(status_of(closes), 0);
+    EXPECT_INT(access(path, F_OK), 0);
+}
+
 CHECK_NEW(the_socket_of_direct_mode_is_removed_when_a_module_exits)
 {
     char path[200];

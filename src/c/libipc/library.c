@@ -13,6 +13,18 @@
 /* The one mutable static of the library; everything else is reached from here. */
 static struct library the_library;
 
+/*
+ * The process ends: files of sockets would outlive it.  Without the lock, since a signal handler may
+ * have called exit() while this thread held it; contexts are never freed.
+ */
+static void library_end(void)
+{
+    const struct list *position = the_library.contexts.next;
+    for (; position != &the_library.contexts; position = position->next) {
+        net_remove_local(&LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library)->direct_local);
+    }
+}
+
 static void library_make(void)
 {
     struct library *library = &the_library;
@@ -33,6 +45,7 @@ static void library_make(void)
     library->names = format_names_new();
     const char *empty_strings = getenv("IPC_EMPTY_STRINGS");
     format_set_empty_strings(empty_strings != NULL && strcmp(empty_strings, "1") == 0);
+    (void)atexit(library_end); /* at worst a stale file stays */
 }
 
 struct library *library_enter(void)

@@ -27,6 +27,7 @@ struct net_local {
     int fd; /* -1: none */
     uint64_t device;
     uint64_t inode;
+    int64_t process; /* that made the file: a child's copy leaves it alone */
     char path[NET_PATH_SIZE];
 };
 
@@ -34,7 +35,10 @@ struct net_local {
  * 0, ERR_REFUSED (somebody else listens there), ERR_LIMIT (path too long), ERR_IO. */
 int net_listen_local(const char *path, unsigned mode, struct net_local *listener);
 
-/* Closes the listener and removes its path if that is still the file it made. */
+/* Removes the listener's path if that is still the file it made.  May be called at any time. */
+void net_remove_local(const struct net_local *listener);
+
+/* Closes the listener and removes its path. */
 void net_close_local(struct net_local *listener);
 
 /* Accepts one connection: 0, or 1 when none is waiting, or ERR_LIMIT (out of descriptors or memory),

@@ -185,21 +185,27 @@ int net_listen_local(const char *path, unsigned mode, struct net_local *listener
     memcpy(listener->path, path, strlen(path) + 1);
     listener->device = (uint64_t)status.st_dev;
     listener->inode = (uint64_t)status.st_ino;
+    listener->process = getpid();
     return 0;
+}
+
+void net_remove_local(const struct net_local *listener)
+{
+    struct stat status;
+    if (listener->fd >= 0 && listener->process == getpid() &&
+        lstat(listener->path, &status) == 0 && (uint64_t)status.st_dev == listener->device &&
+        (uint64_t)status.st_ino == listener->inode) {
+        (void)unlink(listener->path); /* at worst a stale file stays, which the next one replaces */
+    }
 }
 
 void net_close_local(struct net_local *listener)
 {
-    struct stat status;
-    if (listener->fd < 0) {
-        return;
+    net_remove_local(listener);
+    if (listener->fd >= 0) {
+        close(listener->fd);
+        listener->fd = -1;
     }
-    if (lstat(listener->path, &status) == 0 && (uint64_t)status.st_dev == listener->device &&
-        (uint64_t)status.st_ino == listener->inode) {
-        (void)unlink(listener->path); /* at worst a stale file stays, which the next one replaces */
-    }
-    close(listener->fd);
-    listener->fd = -1;
 }
 
 int net_accept(int listener, int *fd)
