@@ -82,7 +82,14 @@ static void tell_changes(struct server *server, struct list *taken)
     bool changed = false;
     struct list *at, *following;
     LIST_EACH(at, following, taken) {
-        handler_list_changed(server, LIST_OWNER(at, struct subscription, in_handler)->message);
+        LIST_OWNER(at, struct subscription, in_handler)->message->has_lost_handlers = true;
+    }
+    LIST_EACH(at, following, taken) {
+        struct message *message = LIST_OWNER(at, struct subscription, in_handler)->message;
+        if (message->has_lost_handlers) {
+            message->has_lost_handlers = false;
+            handler_list_changed(server, message); /* once, however many it has lost */
+        }
     }
     LIST_EACH(at, following, taken) {
         struct subscription *subscription = LIST_OWNER(at, struct subscription, in_handler);

@@ -52,6 +52,7 @@ struct message {
     uint8_t *label; /* class data of every delivery: the name, encoded in this host's order */
     uint32_t label_length;
 
+    bool has_lost_handlers;         /* with a module that is just ending */
     struct pending_subject subject; /* its priority, and where it waits */
     struct list subscriptions;      /* of struct subscription, oldest first */
     size_t n_subscriptions;
