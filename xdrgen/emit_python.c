@@ -28,33 +28,46 @@ struct view {
     char *class_name; /* of the structure or enum, if any; freed with the view */
 };
 
-static const char *const reserved[] = {
-    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue",
-    "def", "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import",
-    "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while",
-    "with", "yield",
-    /* names that the module itself, dataclasses and IntEnum use */
-    "bool", "int", "float", "str", "list", "object", "range", "enum", "dataclass", "field", "Any",
-    "ClassVar", "List", "mro", "name", "value", "IPC_FORMAT", "_fields", NULL};
+/* Where a name stands, and so which words it cannot be. */
+enum scope { SCOPE_MODULE, SCOPE_CLASS, SCOPE_ENUM };
+
+static const char *const keywords[] = {
+    "False", "None",     "True",  "and",    "as",   "assert", "async",  "await",    "break",
+    "class", "continue", "def",   "del",    "elif", "else",   "except", "finally",  "for",
+    "from",  "global",   "if",    "import", "in",   "is",     "lambda", "nonlocal", "not",
+    "or",    "pass",     "raise", "return", "try",  "while",  "with",   "yield",    NULL};
+
+/* What the module uses itself, or its classes have already. */
+static const char *const used[][10] = {
+    [SCOPE_MODULE] = {"str", "range", "enum", "dataclass", "field", "Any", "ClassVar", "List",
+                      NULL},
+    [SCOPE_CLASS] = {"field", "IPC_FORMAT", "_fields", NULL},
+    [SCOPE_ENUM] = {"mro", "name", "value", NULL},
+};
 
 /* ------------------------------------------------------------------------- names */
 
-static bool is_reserved(struct text name)
+static bool is_among(const char *const *words, struct text name)
 {
-    for (const char *const *word = reserved; *word != NULL; word++)
-        if (text_equal(name, text_of(*word)))
+    for (; *words != NULL; words++)
+        if (text_equal(name, text_of(*words)))
             return true;
-    /* Underscores at both ends mean something to IntEnum, two in front something to classes. */
+    return false;
+}
+
+/* Underscores at both ends mean something to enums, two in front of it something to classes. */
+static bool is_special(struct text name)
+{
     return name.length > 1 && name.bytes[0] == '_' &&
            (name.bytes[1] == '_' || name.bytes[name.length - 1] == '_');
 }
 
-static void write_name(struct output *output, struct text name)
+static void write_name(struct output *output, struct text name, enum scope scope)
 {
     if (name.length > 1 && name.bytes[0] == '_' && name.bytes[1] == '_')
         output_string(output, "x");
     output_text(output, name);
-    if (is_reserved(name))
+    if (is_among(keywords, name) || is_among(used[scope], name) || is_special(name))
         output_string(output, "_");
 }
 
@@ -63,7 +76,7 @@ static char *name_of(struct text name)
 {
     struct output output;
     output_init(&output);
-    write_name(&output, name);
+    write_name(&output, name, SCOPE_MODULE);
     char *result = mem_copy_text((const char *)output.text.bytes, output.text.length);
     output_fini(&output);
     return result;
@@ -92,7 +105,7 @@ static void write_format_name(struct output *output, const struct type *type)
     const bool is_own = target != NULL && target->kind == DEFINITION_TYPE;
     if (is_own) {
         output_string(output, "\" + ");
-        write_name(output, type->name);
+        write_name(output, type->name, SCOPE_MODULE);
         output_string(output, "_IPC_FORMAT + \"");
         return;
     }
@@ -103,7 +116,7 @@ static void write_format_name(struct output *output, const struct type *type)
 
 static void write_format(struct python *python, const struct declaration *declaration)
 {
-    write_name(python->output, declaration->name);
+    write_name(python->output, declaration->name, SCOPE_MODULE);
     output_string(python->output, "_IPC_FORMAT = \"");
     format_write(python->output, declaration, write_format_name);
     output_string(python->output, "\"\n");
@@ -130,7 +143,7 @@ static void write_element_class(struct output *output, const struct view *view)
 {
     const struct type *type = &view->declaration->type;
     if (type->kind == TYPE_NAMED && type->target != NULL && type->target->kind == DEFINITION_TYPE)
-        write_name(output, type->name);
+        write_name(output, type->name, SCOPE_MODULE);
     else if (type->kind == TYPE_NAMED)
         output_string(output, "Any");
     else if (view->class_name != NULL)
@@ -227,7 +240,7 @@ static void write_enumeration(struct python *python, const char *name,
     output_string(output, "(enum.IntEnum):\n");
     for (size_t i = 0; i < enumeration->count; i++) {
         output_string(output, "    ");
-        write_name(output, enumeration->items[i].name);
+        write_name(output, enumeration->items[i].name, SCOPE_ENUM);
         output_print(output, " = %lld\n", (long long)enumeration->items[i].value);
     }
 }
@@ -255,7 +268,7 @@ static void write_element_record(struct output *output, const struct view *view)
         return;
     }
     output_string(output, definition_is_record(owner) ? "" : "_item_of_");
-    write_name(output, owner->name);
+    write_name(output, owner->name, SCOPE_MODULE);
 }
 
 /* Entries of _fields: the name, and the class where there is a structure inside. */
@@ -267,7 +280,7 @@ static void write_field_names(struct output *output, const struct view *views, s
         const bool has_class = element != NULL && element->kind == TYPE_RECORD;
         output_string(output, i == 0 ? "" : " ");
         output_string(output, has_class ? "(\"" : "\"");
-        write_name(output, views[i].declaration->name);
+        write_name(output, views[i].declaration->name, SCOPE_CLASS);
         output_string(output, "\"");
         if (has_class) {
             output_string(output, ", ");
@@ -284,7 +297,7 @@ static void write_field(struct output *output, const struct view *view)
 {
     const bool is_new = view->meaning.shape == SHAPE_ARRAY || view->meaning.shape == SHAPE_RECORD;
     output_string(output, "    ");
-    write_name(output, view->declaration->name);
+    write_name(output, view->declaration->name, SCOPE_CLASS);
     output_string(output, ": ");
     write_class(output, view);
     output_string(output, is_new ? " = field(default_factory=lambda: " : " = ");
@@ -304,7 +317,7 @@ static void write_record(struct python *python, const char *name, const struct r
     output_string(output, ":\n");
     if (format_name.bytes != NULL) {
         output_string(output, "    IPC_FORMAT: ClassVar[str] = ");
-        write_name(output, format_name);
+        write_name(output, format_name, SCOPE_MODULE);
         output_string(output, "_IPC_FORMAT\n");
     }
     write_field_names(output, views, record->n_fields);
