@@ -106,13 +106,25 @@ static void call(struct library *library, struct watched_fd *watched)
     }
 }
 
+/*
+ * Whether there is still something to read.  Another handler or another thread may have read it since
+ * the wait in the kernel, and a handler called for nothing would wait for ever.
+ */
+static bool is_still_ready(struct watched_fd *watched)
+{
+    struct ready_item item = {watched->fd, READY_READ, 0};
+    watched->ready = ready_wait(&item, 1, 0) > 0 && (item.found & READY_INVALID) == 0;
+    return watched->ready;
+}
+
 /* The ready one with the smallest descriptor above last whose turn is free. */
 static struct watched_fd *next_ready(struct library *library, int last)
 {
     struct list *position = library->watched_fds.next;
     for (; position != &library->watched_fds; position = position->next) {
         struct watched_fd *watched = watched_at(position);
-        if (watched->fd > last && watched->ready && turn_is_free(turn_of(library, watched))) {
+        if (watched->fd > last && watched->ready && turn_is_free(turn_of(library, watched)) &&
+            is_still_ready(watched)) {
             return watched;
         }
     }
