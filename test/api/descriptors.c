@@ -138,6 +138,30 @@ CHECK_NEW(a_handler_may_unsubscribe_itself_and_others)
     EXPECT_INT(n_recorded(), 1);
 }
 
+static void read_both(int fd, void *client_data)
+{
+    const int *other = client_data;
+    char byte;
+    EXPECT_INT(read(fd, &byte, 1), 1);
+    EXPECT_INT(read(*other, &byte, 1), 1);
+    record("both ");
+}
+
+CHECK_NEW(no_handler_is_called_for_what_another_has_read)
+{
+    int others[2];
+    open_pipe();
+    EXPECT_INT(pipe(others), 0);
+    connected();
+    IPC_subscribeFD(ends[0], read_both, &others[0]);
+    IPC_subscribeFD(others[0], read_nothing, NULL);
+    write_byte();
+    EXPECT_INT(write(others[1], "x", 1), 1);
+    EXPECT_OK(IPC_listen(1000));
+    EXPECT_TIMEOUT(IPC_listen(50));
+    EXPECT_TEXT(recorded(), "both ");
+}
+
 CHECK_NEW(a_descriptor_subscribed_before_connecting_is_served_after)
 {
     struct central *central = central_start(NULL);

@@ -95,7 +95,7 @@ def central_log(place):
     text = ""
     for path in sorted(glob.glob(os.path.join(place, "central*.log"))):
         with open(path, encoding="utf-8", errors="replace") as log:
-            text += f"\n{os.path.basename(path)}:\n" + log.read()[-3000:]
+            text += f"\n{os.path.basename(path)}:\n" + log.read()[-1500:]
     return text
 
 
