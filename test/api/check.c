@@ -253,7 +253,8 @@ void let_arrive(void)
     if (is_original()) {
         sleep_ms(200);
     } else {
-        EXPECT_INT(IPC_isModuleConnected("nobody"), 0); /* central has handled all before it answers */
+        EXPECT_INT(IPC_isModuleConnected("nobody"),
+                   0); /* central has handled all before it answers */
     }
 }
 
@@ -289,7 +290,7 @@ struct module *module_start(const char *player, const struct central *central)
 void module_tell(struct module *module, int number)
 {
     if (send(module->control, &number, sizeof number, MSG_NOSIGNAL) != sizeof number) {
-        EXPECT(!"the player is there");
+        EXPECT_THAT("the player is there");
     }
 }
 
@@ -364,7 +365,7 @@ void player_serve(void)
     player_say(0);
     while (IPC_listen(IPC_WAIT_FOREVER) != IPC_Error) {
     }
-    EXPECT(!"the player is connected until the check ends");
+    EXPECT_THAT("the player is connected until the check ends");
     exit(FAILED);
 }
 
@@ -449,8 +450,7 @@ void record(const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    const int length =
-        vsnprintf(state.record + state.length, TEXT - state.length, format, values);
+    const int length = vsnprintf(state.record + state.length, TEXT - state.length, format, values);
     va_end(values);
     state.length += (size_t)length;
     if (state.length >= TEXT) {
@@ -478,7 +478,7 @@ void listen_until(int count)
     const long end = now_ms() + PATIENCE_MS;
     while (state.n_recorded < count && now_ms() < end) {
         if (IPC_listen(50) == IPC_Error) {
-            EXPECT(!"IPC_listen works");
+            EXPECT_THAT("IPC_listen works");
             return;
         }
     }

@@ -1,11 +1,11 @@
 /*
  * Checks of the API: small programs that use the library and say what they found.
  *
- * A program holds many checks; each runs in a process of its own, which is how it gets a library in state
- * fresh.  A check starts the centrals it needs, and other modules as players: functions of the same
- * program that run in processes of their own.  It goes on after a failed expectation, and has passed
- * when there was none and when all its centrals are still alive.  What a check or the library prints
- * outside capture() counts as a failure.
+ * A program holds many checks; each runs in a process of its own, which is how it gets a library in
+ * state fresh.  A check starts the centrals it needs, and other modules as players: functions of
+ * the same program that run in processes of their own.  It goes on after a failed expectation, and
+ * has passed when there was none and when all its centrals are still alive.  What a check or the
+ * library prints outside capture() counts as a failure.
  *
  * test_api.py runs the programs; it finds the checks by the lines that begin with CHECK.
  */
@@ -48,8 +48,11 @@ void expect_result(intptr_t result, intptr_t expected, int error, const char *pl
 #define CHECK_TEXT(x) CHECK_TEXT_(x)
 #define PLACE __FILE__ ":" CHECK_TEXT(__LINE__)
 
+/* For what has turned out not to be so. */
+#define EXPECT_THAT(text) expect(false, PLACE, text, "something else")
 #define EXPECT(condition) expect((condition), PLACE, #condition, "false")
-#define EXPECT_INT(expression, value) expect_result((intptr_t)(expression), (value), -1, PLACE, #expression)
+#define EXPECT_INT(expression, value)                                                              \
+    expect_result((intptr_t)(expression), (value), -1, PLACE, #expression)
 #define EXPECT_TEXT(expression, value) expect_text((expression), (value), PLACE, #expression)
 #define EXPECT_OK(expression) EXPECT_INT(expression, IPC_OK)
 #define EXPECT_TIMEOUT(expression) EXPECT_INT(expression, IPC_Timeout)
@@ -89,7 +92,8 @@ struct central *connected(void);
 
 /* Whether the library under test is CMU IPC. */
 bool is_original(void);
-/* What this module has published has come back to it, and waits.  An original would handle it when asked. */
+/* What this module has published has come back to it, and waits.  An original would handle it when
+ * asked. */
 void let_arrive(void);
 /* Lets an original notice who subscribes to what, which it does while it listens. */
 void settle(void);
@@ -101,8 +105,8 @@ struct module {
     int control;
 };
 
-/* Starts a player, connected to central under its name if central is not NULL, and waits until it says
- * player_ready(). */
+/* Starts a player, connected to central under its name if central is not NULL, and waits until it
+ * says player_ready(). */
 struct module *module_start(const char *player, const struct central *central);
 /* Lets player_wait() return, or its control handler be called, with that number. */
 void module_tell(struct module *module, int number);
@@ -153,12 +157,14 @@ void record(const char *format, ...);
 const char *recorded(void);
 int n_recorded(void);
 
-/* Listens until that many records have been made since recorded() was called, at most five seconds. */
+/* Listens until that many records have been made since recorded() was called, at most five seconds.
+ */
 void listen_until(int count);
 /* Listens so long, whatever comes. */
 void listen_for(unsigned int milliseconds);
 
-/* Handlers for messages whose content is an int; they record client data as text, then the number. */
+/* Handlers for messages whose content is an int; they record client data as text, then the number.
+ */
 void note_a(MSG_INSTANCE instance, BYTE_ARRAY content, void *client_data);
 void note_b(MSG_INSTANCE instance, BYTE_ARRAY content, void *client_data);
 void note_c(MSG_INSTANCE instance, BYTE_ARRAY content, void *client_data);

@@ -76,8 +76,8 @@ CHECK(without_a_server_connecting_fails_after_five_tries)
     struct apart apart[4];
     snprintf(address, sizeof address, "localhost:%d", free_port());
     server = address;
-    snprintf(line, sizeof line,
-             "  Trying again x to connect with the central server on %s\n", server);
+    snprintf(line, sizeof line, "  Trying again x to connect with the central server on %s\n",
+             server);
     repeat(lines, sizeof lines, line, TRIES - 1);
     const long start = now_ms();
     for (int i = 0; i < 4; i++) {
@@ -115,9 +115,8 @@ static void connect_by_default_or_exit(void)
 /* Whether nobody has the port that is used when none is given. */
 static bool is_default_port_free(void)
 {
-    struct sockaddr_in address = {.sin_family = AF_INET,
-                                  .sin_port = htons(1381),
-                                  .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    struct sockaddr_in address = {
+        .sin_family = AF_INET, .sin_port = htons(1381), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     const int fd = socket(AF_INET, SOCK_STREAM, 0);
     const bool is_free = connect(fd, (struct sockaddr *)&address, sizeof address) != 0 &&
                          access("/tmp/x_ipc/1381", F_OK) != 0;
@@ -223,7 +222,8 @@ CHECK(a_server_that_closes_at_once_is_told_for_each_try)
     struct apart lasting = apart_start(connect_with_errors);
     const struct outcome first = run_apart(connect_or_exit);
     EXPECT_INT(first.status, 255);
-    EXPECT_TEXT(first.err, "ERROR: Socket connection broken or access denied to central server\n\n");
+    EXPECT_TEXT(first.err,
+                "ERROR: Socket connection broken or access denied to central server\n\n");
     const struct outcome outcome = apart_end(&lasting);
     repeat(lines, sizeof lines - 40,
            "ERROR: Socket connection broken or access denied to central server\n\n"

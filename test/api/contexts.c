@@ -1,6 +1,6 @@
 /*
- * Several contexts (T167 to T175).  All contexts are listened to, and every handler runs in the one that
- * it belongs to; the checks of that are of our library only.
+ * Several contexts (T167 to T175).  All contexts are listened to, and every handler runs in the one
+ * that it belongs to; the checks of that are of our library only.
  */
 #include "check.h"
 

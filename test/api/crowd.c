@@ -1,8 +1,8 @@
 /*
  * Eight threads that do everything at a time in two contexts, while other modules are killed.
  *
- * Run by test_crowd.py with a library and a program built with ThreadSanitizer, and by test_api.py with
- * the library under test.
+ * Run by test_crowd.py with a library and a program built with ThreadSanitizer, and by test_api.py
+ * with the library under test.
  */
 #include "check.h"
 
@@ -150,7 +150,8 @@ static void *subscribe(void *argument)
         snprintf(name, sizeof name, "%s%d", (const char *)argument, i % 40);
         EXPECT_OK(define_int(name));
         EXPECT_OK(IPC_subscribe(name, drop, NULL));
-        publish_int(name, i); /* another thread may have set the context in which it is not defined */
+        publish_int(name,
+                    i); /* another thread may have set the context in which it is not defined */
         IPC_numHandlers(name);
         IPC_subscribeHandlerChange(name, watch_handlers, NULL);
         IPC_unsubscribeHandlerChange(name, watch_handlers);

@@ -3,6 +3,7 @@
  */
 #include "check.h"
 
+#include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,8 +17,8 @@ static char loss_text[160];
 static void start(void)
 {
     central = central_start(NULL);
-    snprintf(loss_text, sizeof loss_text,
-             "Closed Connection Detected from: Central Server %s\n\n", central->address);
+    snprintf(loss_text, sizeof loss_text, "Closed Connection Detected from: Central Server %s\n\n",
+             central->address);
 }
 
 static void join(void)
@@ -87,10 +88,9 @@ static void wait_by_round_trip(void)
     IPC_isModuleConnected("B");
 }
 
-static check_function *const waits[] = {wait_by_listen,         wait_by_listen_clear,
-                                        wait_by_listen_wait,    wait_by_handle_message,
-                                        wait_by_dispatch,       wait_by_query,
-                                        wait_by_round_trip};
+static check_function *const waits[] = {
+    wait_by_listen,   wait_by_listen_clear, wait_by_listen_wait, wait_by_handle_message,
+    wait_by_dispatch, wait_by_query,        wait_by_round_trip};
 static check_function *chosen;
 
 static void lose_central(void)
@@ -335,6 +335,29 @@ CHECK_NEW(an_exit_procedure_may_reconnect_again_and_again)
         EXPECT_INT(IPC_isConnected(), 1);
         expect_messages(i);
     }
+}
+
+static void *start_central_later(void *argument)
+{
+    (void)argument;
+    sleep_ms(2000);
+    central_start_on(port, NULL);
+    return NULL;
+}
+
+CHECK_NEW(an_exit_procedure_may_wait_until_central_is_there_again)
+{
+    pthread_t thread;
+    join_with_procedure(reconnect);
+    port = central->port;
+    central_kill(central);
+    const long start_of_loss = now_ms();
+    EXPECT_INT(pthread_create(&thread, NULL, start_central_later, NULL), 0);
+    EXPECT_OK(IPC_listen(5000));
+    EXPECT(now_ms() - start_of_loss >= 1900);
+    pthread_join(thread, NULL);
+    EXPECT_INT(n_calls, 1);
+    expect_messages(1);
 }
 
 static void lose_in_handler(MSG_INSTANCE instance, BYTE_ARRAY content, void *client_data)

@@ -1,6 +1,6 @@
 /*
- * Formats and marshalling as a program sees them (T149 to T155).  What bytes there are is the matter of
- * the tests of the layer below.
+ * Formats and marshalling as a program sees them (T149 to T155).  What bytes there are is the
+ * matter of the tests of the layer below.
  */
 #include "check.h"
 
@@ -62,8 +62,7 @@ CHECK(data_may_be_unmarshalled_into_a_variable)
     initialise();
     FORMATTER_PTR formatter = IPC_parseFormat("{int, string, double}");
     EXPECT_OK(IPC_marshall(formatter, &value, &content));
-    EXPECT_ERROR(IPC_unmarshallData(formatter, content.content, &back, 3),
-                 IPC_Wrong_Buffer_Length);
+    EXPECT_ERROR(IPC_unmarshallData(formatter, content.content, &back, 3), IPC_Wrong_Buffer_Length);
     EXPECT_ERROR(IPC_unmarshallData(NULL, content.content, &back, sizeof back), IPC_Null_Argument);
     EXPECT_OK(IPC_unmarshallData(formatter, content.content, &back, sizeof back));
     EXPECT_INT(back.number, 1);
@@ -263,11 +262,16 @@ CHECK_NEW(what_is_not_a_value_of_the_format_cannot_be_read)
 
 CHECK_NEW(malformed_formats_give_an_error_and_nothing_worse)
 {
-    static const char *const malformed[] = {
-        "{int",  "{int,int", "[int]", "[int:]",   "[int:a]",    "{int,,int}", "<int:1>",
-        "*",     "!",        "*!",    "{enum}",   "{enum :}",   "{enum A,}",  "@",    "{",
-        "}",     ",",        "<",     "[",        "[int:-1]",   "{int,<int>}", "  ",  "unknown",
-        "{int,<int:2>}", "[:3]", "{enum A B}", "[int:99999999999]", "\xff"};
+    static const char *const malformed[] = {"{int",      "{int,int",   "[int]",
+                                            "[int:]",    "[int:a]",    "{int,,int}",
+                                            "<int:1>",   "*",          "!",
+                                            "*!",        "{enum}",     "{enum :}",
+                                            "{enum A,}", "@",          "{",
+                                            "}",         ",",          "<",
+                                            "[",         "[int:-1]",   "{int,<int>}",
+                                            "  ",        "unknown",    "{int,<int:2>}",
+                                            "[:3]",      "{enum A B}", "[int:99999999999]",
+                                            "\xff"};
     initialise();
     for (size_t i = 0; i < sizeof malformed / sizeof *malformed; i++) {
         IPC_errno = IPC_No_Error;
@@ -279,8 +283,9 @@ CHECK_NEW(malformed_formats_give_an_error_and_nothing_worse)
 
 CHECK(odd_formats_that_are_accepted)
 {
-    static const char *const accepted[] = {"{}", "[int:0]", "{*!}", " int ", "{ int , string }",
-                                           "{int,*!}", "{int, <int:1>}", "{enum A}", "5"};
+    static const char *const accepted[] = {
+        "{}",       "[int:0]",        "{*!}",     " int ", "{ int , string }",
+        "{int,*!}", "{int, <int:1>}", "{enum A}", "5"};
     initialise();
     for (size_t i = 0; i < sizeof accepted / sizeof *accepted; i++) {
         IPC_errno = IPC_No_Error;

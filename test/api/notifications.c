@@ -54,12 +54,23 @@ PLAYER(B)
     player_say(0);
     for (;;) {
         switch (player_wait()) {
-        case 1: EXPECT_OK(IPC_subscribe("m", note_a, NULL)); break;
-        case 2: EXPECT_OK(IPC_subscribe("m", note_b, NULL)); break;
-        case 3: EXPECT_OK(IPC_unsubscribe("m", note_a)); break;
-        case 4: EXPECT_OK(IPC_subscribe("m", note_a, "other data")); break;
-        case 5: exit(3);
-        default: EXPECT_OK(IPC_disconnect()); return;
+        case 1:
+            EXPECT_OK(IPC_subscribe("m", note_a, NULL));
+            break;
+        case 2:
+            EXPECT_OK(IPC_subscribe("m", note_b, NULL));
+            break;
+        case 3:
+            EXPECT_OK(IPC_unsubscribe("m", note_a));
+            break;
+        case 4:
+            EXPECT_OK(IPC_subscribe("m", note_a, "other data"));
+            break;
+        case 5:
+            exit(3);
+        default:
+            EXPECT_OK(IPC_disconnect());
+            return;
         }
         player_say(IPC_isConnected());
     }
@@ -231,8 +242,7 @@ CHECK(unsubscribed_notifications_come_no_more)
 CHECK(changes_of_an_undefined_message_cannot_be_watched)
 {
     connected();
-    EXPECT_ERROR(IPC_subscribeHandlerChange("undefined", on_change, NULL),
-                 IPC_Message_Not_Defined);
+    EXPECT_ERROR(IPC_subscribeHandlerChange("undefined", on_change, NULL), IPC_Message_Not_Defined);
 }
 
 /* -------------------------------------------------------------------- modules of one name */
@@ -242,10 +252,17 @@ PLAYER(Dup)
     player_say(0);
     for (;;) {
         switch (player_wait()) {
-        case 1: IPC_disconnect(); return;
-        case 2: exit(0);
-        case 3: player_say(IPC_isModuleConnected("A")); break;
-        default: IPC_disconnect(); return;
+        case 1:
+            IPC_disconnect();
+            return;
+        case 2:
+            exit(0);
+        case 3:
+            player_say(IPC_isModuleConnected("A"));
+            break;
+        default:
+            IPC_disconnect();
+            return;
         }
     }
 }

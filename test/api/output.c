@@ -1,6 +1,6 @@
 /*
- * What is printed at which verbosity, word for word, and when the process ends (T20 to T29; T30 is that
- * no other check may print anything).
+ * What is printed at which verbosity, word for word, and when the process ends (T20 to T29; T30 is
+ * that no other check may print anything).
  */
 #include "check.h"
 
@@ -57,29 +57,27 @@ CHECK(perror_prints_the_text_of_every_error)
     IPC_perror(NULL);
     IPC_perror("");
     EXPECT_INT(IPC_errno, IPC_Communication_Error);
-    EXPECT_TEXT(captured_stderr(),
-                "p: No IPC error\n"
-                "p: Not connected to IPC central\n"
-                "p: IPC not initialized\n"
-                "p: IPC message not defined\n"
-                "p: Message is not fixed length\n"
-                "p: Fixed length of message differs from length argument\n"
-                "p: Argument out of range\n"
-                "p: Argument is (unexpectedly) NULL\n"
-                "p: Illegal format string\n"
-                "p: Format string does not match that of registered message\n"
-                "p: Size of byte array does not match dataSize argument\n"
-                "p: Low level communication (socket) error\n"
-                "Low level communication (socket) error\n"
-                "Low level communication (socket) error\n");
+    EXPECT_TEXT(captured_stderr(), "p: No IPC error\n"
+                                   "p: Not connected to IPC central\n"
+                                   "p: IPC not initialized\n"
+                                   "p: IPC message not defined\n"
+                                   "p: Message is not fixed length\n"
+                                   "p: Fixed length of message differs from length argument\n"
+                                   "p: Argument out of range\n"
+                                   "p: Argument is (unexpectedly) NULL\n"
+                                   "p: Illegal format string\n"
+                                   "p: Format string does not match that of registered message\n"
+                                   "p: Size of byte array does not match dataSize argument\n"
+                                   "p: Low level communication (socket) error\n"
+                                   "Low level communication (socket) error\n"
+                                   "Low level communication (socket) error\n");
 }
 
 CHECK(the_texts_of_errors_are_a_table_for_programs)
 {
     EXPECT_TEXT(ipcErrorStrings[IPC_No_Error], "No IPC error");
     EXPECT_TEXT(ipcErrorStrings[IPC_Not_Connected], "Not connected to IPC central");
-    EXPECT_TEXT(ipcErrorStrings[IPC_Communication_Error],
-                "Low level communication (socket) error");
+    EXPECT_TEXT(ipcErrorStrings[IPC_Communication_Error], "Low level communication (socket) error");
 }
 
 CHECK_NEW(perror_names_a_number_that_is_no_error)
@@ -98,7 +96,8 @@ static void expect_banner(const char *text)
 {
     int major, minor, micro, end = 0;
     char date[32];
-    (void)sscanf(text, "NMP IPC Version %d.%d.%d (%31[^)])\n%n", &major, &minor, &micro, date, &end);
+    (void)sscanf(text, "NMP IPC Version %d.%d.%d (%31[^)])\n%n", &major, &minor, &micro, date,
+                 &end);
     expect(end > 0 && text[end] == '\0', PLACE, "one banner", "\"%s\"", text);
 }
 

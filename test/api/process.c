@@ -121,7 +121,8 @@ CHECK(another_function_for_a_named_handler_is_ignored_with_a_warning)
     IPC_setVerbosity(IPC_Print_Warnings);
     capture();
     EXPECT_OK(_IPC_subscribe("m", "one", note_b, "one", 0));
-    EXPECT_TEXT(captured_stderr(), "\nWARNING: Procedure change ignored for existing handler one.\n");
+    EXPECT_TEXT(captured_stderr(),
+                "\nWARNING: Procedure change ignored for existing handler one.\n");
     IPC_setVerbosity(IPC_Silent);
 }
 
@@ -303,9 +304,8 @@ static bool has_lines(const char *text, const char *const *beginnings, int count
 
 CHECK(the_publisher_says_what_it_is_linked_with)
 {
-    static const char *const lines[] = {
-        "Direct Connection Established for m to direct_one at sd: ",
-        "Closed Connection Detected from: Module: sd: "};
+    static const char *const lines[] = {"Direct Connection Established for m to direct_one at sd: ",
+                                        "Closed Connection Detected from: Module: sd: "};
     struct central *central = directly_connected();
     struct module *module = module_start("direct_one", central);
     listen_for(100);

@@ -340,7 +340,8 @@ static void note_number(MSG_INSTANCE instance, BYTE_ARRAY content, void *client_
     IPC_freeByteArray(content);
 }
 
-/* Everything that is published after a subscription arrives, whatever the publisher does otherwise. */
+/* Everything that is published after a subscription arrives, whatever the publisher does otherwise.
+ */
 static void expect_all_from(const char *player)
 {
     int numbers[3] = {0, 0, 0};
@@ -417,7 +418,8 @@ CHECK(names_may_hold_blanks_and_signs)
 CHECK_NEW(names_may_hold_letters_of_any_language)
 {
     connected();
-    expect_name_to_work("gr\xc3\xb6\xc3\x9f" "e");
+    expect_name_to_work("gr\xc3\xb6\xc3\x9f"
+                        "e");
     expect_name_to_work("\xe6\xb8\xac\xe5\xae\x9a");
     expect_name_to_work("\xff\x80");
 }

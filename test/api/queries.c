@@ -361,11 +361,21 @@ static void answer_variously(MSG_INSTANCE instance, BYTE_ARRAY content, void *cl
     IPC_VARCONTENT_TYPE nothing = {0, NULL};
     (void)client_data;
     switch (number) {
-    case 0: EXPECT_OK(IPC_respond(instance, "r", 0, NULL)); break;
-    case 1: EXPECT_OK(IPC_respond(instance, "none", 0, NULL)); break;
-    case 2: EXPECT_OK(IPC_respondVC(instance, "r", &nothing)); break;
-    case 3: EXPECT_OK(IPC_respond(instance, "fixed", IPC_FIXED_LENGTH, &number)); break;
-    default: EXPECT_OK(IPC_respondData(instance, "r", &number)); break;
+    case 0:
+        EXPECT_OK(IPC_respond(instance, "r", 0, NULL));
+        break;
+    case 1:
+        EXPECT_OK(IPC_respond(instance, "none", 0, NULL));
+        break;
+    case 2:
+        EXPECT_OK(IPC_respondVC(instance, "r", &nothing));
+        break;
+    case 3:
+        EXPECT_OK(IPC_respond(instance, "fixed", IPC_FIXED_LENGTH, &number));
+        break;
+    default:
+        EXPECT_OK(IPC_respondData(instance, "r", &number));
+        break;
     }
 }
 

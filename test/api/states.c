@@ -380,8 +380,7 @@ CHECK_NEW(arguments_that_crashed_the_original_give_errors)
     EXPECT_QUIET(IPC_freeDataElements(NULL, NULL), IPC_OK);
     EXPECT_ERROR(IPC_printData(formatter, NULL, &number), IPC_Null_Argument);
     EXPECT_ERROR(IPC_printData(NULL, stdout, &number), IPC_Null_Argument);
-    EXPECT_ERROR(IPC_marshall(formatter, NULL, &(IPC_VARCONTENT_TYPE){0, NULL}),
-                 IPC_Null_Argument);
+    EXPECT_ERROR(IPC_marshall(formatter, NULL, &(IPC_VARCONTENT_TYPE){0, NULL}), IPC_Null_Argument);
     EXPECT_ERROR(IPC_unmarshallData(formatter, &number, NULL, sizeof number), IPC_Null_Argument);
     EXPECT_ERROR(IPC_publishData("m", NULL), IPC_Null_Argument);
     EXPECT_ERROR(IPC_queryNotifyData("m", NULL, note_a, NULL), IPC_Null_Argument);

@@ -17,6 +17,8 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 SIDE_BY_SIDE = 6
 LIMIT = 90 * SLOW
 
+WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"]
+
 #: Programs with checks that wait for seconds, to be begun first.
 LONG = ("connecting", "loss", "listening")
 
@@ -52,8 +54,7 @@ class Runs:
         sources = [os.path.join(HERE, file) for file in (program + ".c", "check.c")]
         return self.compiler.program(
             sources, self.library, includes=[HERE],
-            flags=["-std=c99", "-D_DEFAULT_SOURCE", "-D_XOPEN_SOURCE=700", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow",
-                   "-Werror"])
+            flags=["-std=c99", "-D_DEFAULT_SOURCE", "-D_XOPEN_SOURCE=700", *WARNINGS])
 
     def run(self, path, name):
         """(exit status, standard output, standard error) of a check."""
@@ -62,7 +63,7 @@ class Runs:
         options = os.environ.get("ASAN_OPTIONS", "")
         environment = {**os.environ, **self.library.environment(),
                        "IPC_CHECK_CENTRAL": self.central,
-                       "ASAN_OPTIONS": "detect_leaks=0:" + options}
+                       "ASAN_OPTIONS": "detect_leaks=1:" + options}
         environment.pop("CENTRALHOST", None)
         if self.library.original:
             environment["IPC_CHECK_ORIGINAL"] = "1"

@@ -1,5 +1,6 @@
 /*
- * Several threads in one module (T185 to T190).  What original libraries do by chance is not tested.
+ * Several threads in one module (T185 to T190).  What original libraries do by chance is not
+ * tested.
  */
 #include "check.h"
 

@@ -1,5 +1,6 @@
 /*
- * Timers (T109 to T126).  Times are in milliseconds; calls may be late on a busy machine, never early.
+ * Timers (T109 to T126).  Times are in milliseconds; calls may be late on a busy machine, never
+ * early.
  */
 #include "check.h"
 
@@ -277,7 +278,8 @@ CHECK(a_timer_may_remove_another_one_that_is_due)
     EXPECT_TEXT(recorded(), "first ");
 }
 
-/* ------------------------------------------------------------------------- when and in which order */
+/* ------------------------------------------------------------------------- when and in which order
+ */
 
 static void note_lateness(void *client_data, unsigned long now, unsigned long scheduled)
 {
