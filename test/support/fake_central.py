@@ -214,6 +214,8 @@ class FakeCentral:
 
     def _listen_unix(self):
         os.makedirs(os.path.dirname(self.unix_path), mode=0o777, exist_ok=True)
+        if os.path.exists(self.unix_path):
+            os.unlink(self.unix_path)  # left behind by somebody: the port is ours
         listener = socket.socket(socket.AF_UNIX)
         listener.bind(self.unix_path)
         os.chmod(self.unix_path, 0o777)

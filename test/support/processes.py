@@ -1,6 +1,7 @@
 """Programs that tests start: a central, modules, anything; captured, bounded, ended by pid."""
 import os
 import pty
+import random
 import re
 import shutil
 import signal
@@ -155,10 +156,15 @@ class Process:
 
 
 def free_port():
-    """A port that nobody uses at the moment."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    """A port that nobody uses at the moment, and that the kernel gives to nobody by itself."""
+    while True:
+        port = random.randrange(20000, 32000)
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+        return port
 
 
 class Central(Process):
