@@ -172,83 +172,98 @@ void log_put_line(struct log *log, enum which_log which)
     sink_put(sink_of(log, which), text, length);
 }
 
-void log_always(struct log *log, const char *format, ...)
+/* Starts a line anew. */
+static void write_line(struct log *log, const char *format, va_list arguments)
 {
-    va_list arguments;
-    va_start(arguments, format);
     buffer_clear(&log->line);
     text_append_list(&log->line, format, arguments);
-    va_end(arguments);
+}
+
+/* Whether a log with these switches shows lines of a kind. */
+typedef bool (*kind_of_line)(const struct log_switches *on);
+
+static bool of_everything(const struct log_switches *on)
+{
+    (void)on;
+    return true;
+}
+
+static bool of_status(const struct log_switches *on)
+{
+    return on->status;
+}
+
+static bool of_registrations(const struct log_switches *on)
+{
+    return on->status && !on->ignore;
+}
+
+static bool of_messages(const struct log_switches *on)
+{
+    return on->messages;
+}
+
+/* Puts the line into the logs that show its kind. */
+static void put_where_shown(struct log *log, kind_of_line kind)
+{
     for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
-        if (log_is_open(log, which)) {
+        if (log_is_open(log, which) && kind(log_switches_of(log, which))) {
             log_put_line(log, which);
         }
     }
 }
 
-static void put_status(struct log *log)
+void log_always(struct log *log, const char *format, ...)
 {
-    for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
-        if (log_is_open(log, which) && log_switches_of(log, which)->status) {
-            log_put_line(log, which);
-        }
-    }
+    va_list arguments;
+    va_start(arguments, format);
+    write_line(log, format, arguments);
+    va_end(arguments);
+    put_where_shown(log, of_everything);
 }
 
 void log_status(struct log *log, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    buffer_clear(&log->line);
-    text_append_list(&log->line, format, arguments);
+    write_line(log, format, arguments);
     va_end(arguments);
-    put_status(log);
+    put_where_shown(log, of_status);
 }
 
 void log_warning(struct log *log, const struct module *module, const char *format, ...)
 {
     va_list arguments;
-    va_start(arguments, format);
     buffer_clear(&log->line);
     text_append(&log->line, "WARNING: %s on %s: ", module->name, module->host);
+    va_start(arguments, format);
     text_append_list(&log->line, format, arguments);
-    text_append(&log->line, "\n");
     va_end(arguments);
-    put_status(log);
+    text_append(&log->line, "\n");
+    put_where_shown(log, of_status);
 }
 
 void log_redefined(struct log *log, const struct message *message)
 {
     buffer_clear(&log->line);
     text_append(&log->line, "Registration: Message %s Found. Updating.\n", message->name);
-    for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
-        const struct log_switches *on = log_switches_of(log, which);
-        if (log_is_open(log, which) && on->status && !on->ignore) {
-            log_put_line(log, which);
-        }
-    }
+    put_where_shown(log, of_registrations);
 }
 
 void log_notice(struct log *log, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    buffer_clear(&log->line);
-    text_append_list(&log->line, format, arguments);
+    write_line(log, format, arguments);
     va_end(arguments);
-    for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
-        if (log_is_open(log, which) && log_switches_of(log, which)->messages) {
-            log_put_line(log, which);
-        }
-    }
+    put_where_shown(log, of_messages);
 }
 
 void log_terminal(struct log *log, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    buffer_clear(&log->line);
-    text_append_list(&log->line, format, arguments);
+    write_line(log, format, arguments);
     va_end(arguments);
     if (log_is_open(log, LOG_TERMINAL)) {
         log_put_line(log, LOG_TERMINAL);
