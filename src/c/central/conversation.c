@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "central/backpressure.h"
 #include "central/completion.h"
 #include "central/ending.h"
 #include "central/flow.h"
@@ -21,7 +22,7 @@ enum { TURN_FRAMES = 64, TURN_BYTES = 256 * 1024 };
 
 static void wants_to_be_heard(struct server *server, struct module *module)
 {
-    if (list_is_empty(&module->in_input)) {
+    if (list_is_empty(&module->in_input) && !module_waits(module)) {
         list_append(&server->input, &module->in_input);
     }
 }
@@ -29,12 +30,14 @@ static void wants_to_be_heard(struct server *server, struct module *module)
 void conversation_end_input(struct server *server, struct module *module)
 {
     module->input_ended = true;
+    backpressure_let_go(server, module);
     wants_to_be_heard(server, module);
 }
 
 void conversation_read(struct server *server, struct module *module)
 {
-    if (module->state == MODULE_ENDED || module->input_ended || !list_is_empty(&module->in_input)) {
+    if (module->state == MODULE_ENDED || module->input_ended || module_waits(module) ||
+        !list_is_empty(&module->in_input)) {
         return;
     }
     const int n = link_read(&module->link, NULL);
@@ -43,6 +46,13 @@ void conversation_read(struct server *server, struct module *module)
     } else if (n < 0) {
         conversation_end_input(server, module);
     }
+}
+
+void conversation_hung_up(struct server *server, struct module *module)
+{
+    module->deaf = true;
+    backpressure_let_go(server, module);
+    conversation_read(server, module);
 }
 
 size_t conversation_feed(struct server *server, struct module *module, const void *bytes,
@@ -190,13 +200,19 @@ static bool next_frame(struct server *server, struct module *module, struct fram
     return false;
 }
 
+/* Not any more when the connection ends, or has to wait. */
+static bool is_heard(const struct module *module)
+{
+    return !list_is_empty(&module->in_input);
+}
+
 /* Hears one connection for its share of the turn. */
 static void hear(struct server *server, struct module *module)
 {
     struct frame frame;
     size_t bytes = 0;
-    for (int i = 0; i < TURN_FRAMES && bytes < TURN_BYTES; i++) {
-        if (module->state == MODULE_ENDED || !next_frame(server, module, &frame)) {
+    for (int i = 0; i < TURN_FRAMES && bytes < TURN_BYTES && is_heard(module); i++) {
+        if (!next_frame(server, module, &frame)) {
             return;
         }
         bytes += FRAME_HEADER_SIZE + frame.class_length + frame.data_length;
@@ -242,7 +258,7 @@ void conversation_flushed(struct server *server, struct module *module)
     }
 }
 
-uint64_t conversation_check_patience(struct server *server)
+static uint64_t check_introductions(struct server *server)
 {
     const struct central_limits *limits = &server->options->limits;
     while (!list_is_empty(&server->greeted)) {
@@ -254,4 +270,11 @@ uint64_t conversation_check_patience(struct server *server)
         ending_for_violation(server, oldest, "it has not introduced itself");
     }
     return UINT64_MAX;
+}
+
+uint64_t conversation_check_patience(struct server *server)
+{
+    const uint64_t introductions = check_introductions(server);
+    const uint64_t receivers = backpressure_check(server);
+    return introductions < receivers ? introductions : receivers;
 }

@@ -13,6 +13,9 @@
 /* Reads from a module's socket, unless bytes of it wait to be handled. */
 void conversation_read(struct server *server, struct module *module);
 
+/* The other side has gone; reads what it has left. */
+void conversation_hung_up(struct server *server, struct module *module);
+
 /* Puts bytes where a socket would have put them, as many as there is room for before a turn:
  * returns how many. */
 size_t conversation_feed(struct server *server, struct module *module, const void *bytes,

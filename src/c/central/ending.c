@@ -36,6 +36,7 @@ static void withdraw(struct server *server, struct module *module)
     list_remove(&module->in_server);
     server->statistics.n_modules--;
     list_remove(&module->in_input);
+    list_remove(&module->in_waiting_for);
     list_remove(&module->in_flush);
     list_remove(&module->in_due);
     if (module->state == MODULE_GREETED) {

@@ -3,6 +3,7 @@
  */
 #include "central/flow.h"
 
+#include "central/backpressure.h"
 #include "central/claim.h"
 #include "central/deliver.h"
 #include "central/watch.h"
@@ -131,6 +132,7 @@ static void wait_in_queue(struct server *server, struct dispatch *dispatch, stru
     } else if (put_in_queue(server, dispatch)) {
         log_queued(&server->log, dispatch, resource->name);
         trim(server, resource, dispatch->waiting.flow->queue);
+        backpressure_apply(server, dispatch->sender, resource);
     }
 }
 
@@ -267,6 +269,7 @@ void flow_release(struct server *server, struct resource *resource)
     if (pending_is_empty(&resource->pending)) {
         resource->overflowing = false;
     }
+    backpressure_ease(server, resource);
 }
 
 void flow_release_all(struct server *server, struct module *module)
@@ -282,6 +285,7 @@ void flow_finish(struct server *server, struct dispatch *dispatch)
     struct resource *resource = dispatch->resource;
     struct handler *handler = dispatch->handler;
     struct message *message = dispatch->message;
+    resource->owner->finished_ns = server->now_ns;
     deliver_end(server, dispatch);
     if (message->kind == MESSAGE_WATCH) {
         watch_handled(server, handler, message);
@@ -344,4 +348,5 @@ void flow_clear(struct server *server, struct resource *resource)
     clear_sent(server, &resource->ahead);
     clear_queue(server, &resource->holders_own);
     clear_queue(server, &resource->pending);
+    backpressure_end(server, resource);
 }

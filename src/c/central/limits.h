@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/buffer.h"
 #include "base/limits.h"
 
 #define LIMIT_MESSAGES 262144u     /* message names, defined or only mentioned */
@@ -27,17 +28,26 @@
 #define LIMIT_WAITING_QUERIES 100000u   /* queries to one message that nobody handles yet */
 #define LIMIT_WAITING_BYTES (256u * 1024 * 1024) /* data of these */
 
-/* Those that an operator may change; the defaults are in options.c. */
+/* Those that an operator may change, with --limit-<name>=<number>; none is 0. */
 struct central_limits {
-    uint32_t data;            /* bytes of data in one frame */
-    uint32_t class_data;      /* bytes of class data in one frame */
-    uint64_t out_queue;       /* unsent bytes above which a module's queue is not taken from */
-    uint64_t pending_bytes;   /* data that waits for one resource */
-    size_t pending_messages;  /* deliveries that wait for one resource */
-    uint64_t introduction_ns; /* patience with a connection that does not introduce itself */
-    uint64_t stuck_ns;        /* patience with a module whose unsent bytes exceed every measure */
-    size_t unintroduced;      /* connections that have not introduced themselves yet */
+    uint64_t data;             /* bytes of data in one frame; fits an int */
+    uint64_t class_data;       /* bytes of class data in one frame; fits an int */
+    uint64_t out_queue;        /* unsent bytes above which a module's queue is not taken from */
+    uint64_t pending_bytes;    /* data that waits for one resource */
+    uint64_t pending_messages; /* deliveries that wait for one resource */
+    uint64_t progress_ns;      /* patience of senders with a receiver that finishes nothing */
+    uint64_t introduction_ns;  /* patience with a connection that does not introduce itself */
+    uint64_t stuck_ns;         /* patience with a module whose unsent bytes exceed every measure */
+    uint64_t unintroduced;     /* connections that have not introduced themselves yet */
 };
+
+void limits_init(struct central_limits *limits);
+
+/* Sets one by "name=number": 0, ERR_UNKNOWN (no such name) or ERR_RANGE (no such number). */
+int limits_set(struct central_limits *limits, const char *assignment);
+
+/* Appends a line about each. */
+void limits_show_help(struct buffer *out);
 
 /* Unsent bytes above which a module is stuck: replies must have piled up, since a queue is not
  * taken from above the first limit, and then one frame of the longest kind still fits. */

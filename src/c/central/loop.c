@@ -120,7 +120,8 @@ static void resume_accepting(struct loop *loop)
 static void take_connection(struct loop *loop, int fd)
 {
     struct module *module = server_add_connection(loop->server, fd);
-    if (poller_add(loop->poller, fd, READY_READ, module) != 0) {
+    module->polled = READY_READ;
+    if (poller_add(loop->poller, fd, module->polled, module) != 0) {
         ending_for_violation(loop->server, module, "its socket cannot be watched");
     }
 }
@@ -190,31 +191,34 @@ static void take_signals(struct loop *loop)
 
 /* --------------------------------------------------------------------- output */
 
-static void watch_writing(struct loop *loop, struct module *module, bool wanted)
+/* Has the poller tell of what the module's socket is good for now. */
+static void watch_socket(struct loop *loop, struct module *module)
 {
-    if (module->polls_write != wanted) {
-        module->polls_write = wanted;
+    const bool has_unsent = !module->deaf && link_waiting(&module->link) > 0;
+    const int wanted = (module_waits(module) ? 0 : READY_READ) | (has_unsent ? READY_WRITE : 0);
+    if (module->polled != wanted) {
+        module->polled = wanted;
         /* A failure means that the socket is gone, which reading will find. */
-        (void)poller_change(loop->poller, module->link.fd,
-                            wanted ? READY_READ | READY_WRITE : READY_READ, module);
+        (void)poller_change(loop->poller, module->link.fd, wanted, module);
     }
 }
 
 /* Writes what the kernel takes. */
 static void write_to(struct loop *loop, struct module *module)
 {
-    const int result = link_flush(&module->link);
-    if (result < 0) {
+    if (!module->deaf && link_flush(&module->link) < 0) {
         module->deaf = true; /* what it has sent before it went is still heard */
     }
-    watch_writing(loop, module, result == 1);
+    watch_socket(loop, module);
 }
 
 static void flush_module(struct loop *loop, struct module *module)
 {
-    if (module->state != MODULE_ENDED && !module->deaf) {
+    if (module->state != MODULE_ENDED) {
         write_to(loop, module);
-        conversation_flushed(loop->server, module);
+        if (!module->deaf) {
+            conversation_flushed(loop->server, module);
+        }
     }
 }
 
@@ -287,7 +291,9 @@ static void handle_event(struct loop *loop, const struct poller_event *event)
         if (event->found & READY_WRITE) {
             flush_module(loop, module);
         }
-        if (event->found & (READY_READ | READY_ERROR)) {
+        if (event->found & READY_ERROR) {
+            conversation_hung_up(loop->server, module);
+        } else if (event->found & READY_READ) {
             conversation_read(loop->server, module);
         }
     }

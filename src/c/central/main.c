@@ -13,6 +13,7 @@
  *             service_*, variable_service   carry them out
  *               ending, start, notify, handler_list, broadcasts, variable, own_request
  *         flow            what goes now and what waits          claim, pending
+ *           backpressure  who has to wait for whom
  *         watch           new values to those who watch
  *         deliver, answer frames on their way out
  *           outbox        links, and which of them to flush

@@ -43,17 +43,18 @@ struct module {
                               ended ones */
     struct list same_name; /* once introduced */
     uint64_t accepted_ns;
+    int polled; /* what the poller tells of its socket, READY_READ | READY_WRITE */
     bool in_order;    /* its library has the ability ABILITY_IN_ORDER */
     bool takes_ahead; /* ... ABILITY_AHEAD */
 
     /* Input. */
     struct list in_input; /* has bytes that are not handled yet */
     bool input_ended;     /* no more bytes will come */
+    struct list in_waiting_for; /* of the resource for which it waits: it is not read meanwhile */
 
     /* Output. */
-    struct list in_flush;    /* has bytes that are not flushed yet */
+    struct list in_flush;    /* has bytes that are not flushed yet, or is polled for too much */
     bool urgent;             /* ... among them a new value of a watched variable */
-    bool polls_write;        /* the poller tells when the socket takes more */
     bool deaf;               /* writing failed: nothing more is queued */
     bool wants_room;         /* its queue waits for unsent bytes to leave */
     uint64_t stuck_since_ns; /* unsent bytes exceed every measure; 0: they do not */
@@ -61,6 +62,7 @@ struct module {
     /* From MODULE_INTRODUCED on. */
     struct resource *own;
     struct list resources; /* own is the first */
+    uint64_t finished_ns;  /* when it last reported a delivery finished */
     size_t n_resources;
     struct table handlers;          /* name -> struct handler */
     struct list due;                /* subscriptions whose watched variable has a new value */
@@ -96,6 +98,12 @@ void module_unref(struct module *module);
 static inline bool module_is_introduced(const struct module *module)
 {
     return module->state >= MODULE_INTRODUCED && module->state < MODULE_ENDED;
+}
+
+/* Whether it waits for a receiver that it has outpaced. */
+static inline bool module_waits(const struct module *module)
+{
+    return !list_is_empty(&module->in_waiting_for);
 }
 
 /* The module's resource of that name, or NULL. */

@@ -17,19 +17,7 @@
 #define DEFAULT_PORT 1381
 #define HIGHEST_PORT 65535
 
-#define MIB (UINT64_C(1024) * 1024)
-#define SECOND_NS UINT64_C(1000000000)
-
-static const struct central_limits default_limits = {
-    .data = LIMIT_DATA,
-    .class_data = LIMIT_CLASS_DATA,
-    .out_queue = LIMIT_OUT_QUEUE,
-    .pending_bytes = 1024 * MIB,
-    .pending_messages = 2000000,
-    .introduction_ns = 30 * SECOND_NS,
-    .stuck_ns = 30 * SECOND_NS,
-    .unintroduced = 4096,
-};
+#define LIMIT_PREFIX "--limit-"
 
 /* -------------------------------------------------------------------- texts */
 
@@ -331,7 +319,7 @@ void options_init(struct options *options)
     options->terminal.messages = options->terminal.status = options->terminal.ignore = true;
     options->terminal.flush = true;
     options->file.ignore = options->file.flush = true;
-    options->limits = default_limits;
+    limits_init(&options->limits);
     list_init(&options->ignored);
 }
 
@@ -363,12 +351,42 @@ static bool show_only(const char *argument, bool is_first, const char *program,
         options_show_version(output->errors);
         return true;
     }
-    if (strcmp(argument, "--help") == 0 || (is_first && strcmp(argument, "-h") == 0)) {
+    const bool long_form = strcmp(argument, "--help") == 0;
+    if (long_form || (is_first && strcmp(argument, "-h") == 0)) {
         text_append(output->out, "%s command line options:\n", program);
         options_show_help(output->out, false);
+        if (long_form) {
+            limits_show_help(output->out);
+        }
         return true;
     }
     return false;
+}
+
+/* 0, or ERR_RANGE (said on errors). */
+static int set_limit(struct options *options, const char *argument,
+                     const struct options_output *output)
+{
+    switch (limits_set(&options->limits, argument + strlen(LIMIT_PREFIX))) {
+    case 0:
+        return 0;
+    case ERR_UNKNOWN:
+        text_append(output->errors, "No such limit %s (--help lists them)\n", argument);
+        return ERR_RANGE;
+    default:
+        text_append(output->errors, "Illegal number in %s\n", argument);
+        return ERR_RANGE;
+    }
+}
+
+/* 0, ERR_UNKNOWN (said on errors) or ERR_RANGE (said on errors). */
+static int execute_argument(struct options *options, const char *argument,
+                            const struct options_output *output)
+{
+    if (strncmp(argument, LIMIT_PREFIX, strlen(LIMIT_PREFIX)) == 0) {
+        return set_limit(options, argument, output);
+    }
+    return argument[0] == '-' ? execute(options, argument, output, false) : 0;
 }
 
 enum options_result options_parse(struct options *options, int count, char *const *arguments,
@@ -387,7 +405,7 @@ enum options_result options_parse(struct options *options, int count, char *cons
     }
     enum options_result result = OPTIONS_GO;
     for (int i = 1; i < count; i++) {
-        if (arguments[i][0] == '-' && execute(options, arguments[i], output, false) == ERR_RANGE) {
+        if (execute_argument(options, arguments[i], output) == ERR_RANGE) {
             result = OPTIONS_WRONG;
         }
     }

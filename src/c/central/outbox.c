@@ -19,6 +19,11 @@ static bool is_reachable(const struct module *module)
     return module->state != MODULE_ENDED && !module->deaf;
 }
 
+void outbox_attend(struct server *server, struct module *module)
+{
+    remember(server, module, OUTBOX_NORMAL);
+}
+
 void outbox_queue(struct server *server, struct module *module, const struct frame *frame,
                   enum outbox_urgency urgency)
 {

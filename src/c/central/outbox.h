@@ -22,6 +22,9 @@ void outbox_queue(struct server *server, struct module *module, const struct fra
 void outbox_queue_raw(struct server *server, struct module *module, const void *bytes,
                       size_t count);
 
+/* Has the loop look after the module's socket at the end of the turn. */
+void outbox_attend(struct server *server, struct module *module);
+
 /* Whether deliveries may be taken from the module's queues: not too much is unsent. */
 bool outbox_has_room(const struct server *server, struct module *module);
 

@@ -20,6 +20,8 @@ struct resource *resource_new(const char *name, struct module *owner, int capaci
     list_init(&resource->active);
     list_init(&resource->ahead);
     list_init(&resource->claims);
+    list_init(&resource->waited_for_by);
+    list_init(&resource->in_crowded);
     pending_init(&resource->pending, pool);
     pending_init(&resource->holders_own, pool);
     return resource;

@@ -34,6 +34,8 @@ struct resource {
     bool limited;       /* a limit has been set, so what waits may have to be dropped */
     struct pending pending;
     bool overflowing; /* pending deliveries were dropped since there was room last */
+    struct list waited_for_by; /* modules that have filled pending and are not read meanwhile */
+    struct list in_crowded;    /* of the server, while that may be so */
 
     enum resource_state state;
     struct dispatch *claim;     /* the request that locked or reserved it, NULL while active */

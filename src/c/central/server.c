@@ -94,6 +94,7 @@ static void init_lists(struct server *server)
     list_init(&server->flush);
     list_init(&server->due);
     list_init(&server->ended);
+    list_init(&server->crowded);
 }
 
 void server_init(struct server *server, struct options *options, int terminal_fd, uint64_t now_ns)
@@ -157,8 +158,8 @@ struct module *server_add_connection(struct server *server, int fd)
 {
     struct module *module = module_new(fd, server->now_ns);
     struct statistics *statistics = &server->statistics;
-    module->link.reader.limit_data = server->options->limits.data;
-    module->link.reader.limit_class_data = server->options->limits.class_data;
+    module->link.reader.limit_data = (uint32_t)server->options->limits.data;
+    module->link.reader.limit_class_data = (uint32_t)server->options->limits.class_data;
     list_append(&server->modules, &module->in_server);
     list_append(&server->greeted, &module->in_state);
     server->n_greeted++;

@@ -74,6 +74,7 @@ struct server {
     struct list flush;  /* the other modules to flush */
     struct list due;    /* modules that are due values of watched variables */
     struct list ended;  /* modules to let go at the end of the turn */
+    struct list crowded; /* resources for which senders wait */
 
     struct statistics statistics;
 };

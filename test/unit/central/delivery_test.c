@@ -279,6 +279,7 @@ static void a_full_queue_loses_its_oldest_and_says_so_once(void **state)
     assert_null(strstr(warning + 1, "WARNING"));
     assert_int_equal(pair.station.server.statistics.n_dropped, 3);
     expect_all(&pair, "M0 M4 M5 M6");
+    station_pass_time(&pair.station, 1); /* the receiver counts as stopped again */
     publish_all(&pair, "M0 M1 M2 M3 M4");
     assert_non_null(strstr(station_log(&pair.station), "is full"));
     expect_all(&pair, "M0 M2 M3 M4");
@@ -534,6 +535,134 @@ static void links_with_a_list_are_flushed_first(void **state)
     station_close(&pair.station);
 }
 
+/* ---------------------------------------------------------------- back-pressure */
+
+/* A pair with a place for so many deliveries, whose receiver has finished one. */
+static void open_small_pair(struct pair *pair, size_t pending_messages)
+{
+    open_pair(pair, "M");
+    pair->station.options.limits.pending_messages = pending_messages;
+    publish_all(pair, "M0");
+    expect_all(pair, "M0");
+    station_run(&pair->station);
+}
+
+static const char twenty[] = "M0 M1 M2 M3 M4 M5 M6 M7 M8 M9 M0 M1 M2 M3 M4 M5 M6 M7 M8 M9";
+
+static void who_outpaces_a_working_receiver_waits_and_loses_nothing(void **state)
+{
+    struct pair pair;
+    (void)state;
+    open_small_pair(&pair, 8);
+    publish_all(&pair, twenty);
+    station_run(&pair.station);
+    assert_true(module_waits(pair.sender.module));
+    assert_int_equal(pair.receiver.module->own->pending.count, 5);
+    expect_all(&pair, twenty);
+    assert_false(module_waits(pair.sender.module));
+    assert_int_equal(pair.station.server.statistics.n_dropped, 0);
+    close_pair(&pair);
+}
+
+static void waiting_begins_at_half_of_the_bytes_too(void **state)
+{
+    struct pair pair;
+    (void)state;
+    open_small_pair(&pair, 1000);
+    pair.station.options.limits.pending_bytes = 8 * 12;
+    publish_all(&pair, twenty);
+    station_run(&pair.station);
+    assert_int_equal(pair.receiver.module->own->pending.count, 5);
+    expect_all(&pair, twenty);
+    close_pair(&pair);
+}
+
+static void nobody_waits_long_for_a_receiver_that_has_stopped(void **state)
+{
+    struct pair pair;
+    (void)state;
+    open_small_pair(&pair, 8);
+    publish_all(&pair, twenty);
+    station_run(&pair.station);
+    assert_true(module_waits(pair.sender.module));
+    station_pass_time(&pair.station, 1);
+    assert_false(module_waits(pair.sender.module));
+    assert_int_equal(pair.station.server.statistics.n_dropped, 20 - 1 - 8);
+    publish_all(&pair, "M0");
+    station_run(&pair.station);
+    assert_false(module_waits(pair.sender.module));
+    expect_all(&pair, "M0 M3 M4 M5 M6 M7 M8 M9 M0");
+    close_pair(&pair);
+}
+
+static void others_are_heard_while_one_waits(void **state)
+{
+    struct pair pair;
+    struct peer other;
+    (void)state;
+    open_small_pair(&pair, 8);
+    peer_connect(&pair.station, &other, "O");
+    peer_define(&other, "N", "int");
+    peer_subscribe(&other, "M", 1);
+    peer_subscribe(&other, "N", 2);
+    publish_all(&pair, twenty);
+    station_run(&pair.station);
+    assert_true(module_waits(pair.sender.module));
+    peer_publish(&other, "N", 7);
+    peer_expect(&other, "1 M 0, 1 M 1, 1 M 2, 1 M 3, 1 M 4, 1 M 5, 2 N 7");
+    station_close(&pair.station);
+}
+
+static void what_a_waiting_sender_has_said_is_heard_when_it_ends(void **state)
+{
+    struct pair pair;
+    (void)state;
+    open_small_pair(&pair, 50);
+    publish_all(&pair, twenty);
+    publish_all(&pair, twenty);
+    station_run(&pair.station);
+    assert_true(module_waits(pair.sender.module));
+    peer_lose(&pair.sender);
+    char all[2 * sizeof twenty];
+    (void)snprintf(all, sizeof all, "%s %s", twenty, twenty);
+    expect_all(&pair, all);
+    close_pair(&pair);
+}
+
+static void a_sender_goes_on_when_the_receiver_ends(void **state)
+{
+    struct pair pair;
+    struct peer other;
+    (void)state;
+    open_small_pair(&pair, 8);
+    publish_all(&pair, twenty);
+    station_run(&pair.station);
+    assert_true(module_waits(pair.sender.module));
+    peer_lose(&pair.receiver);
+    assert_false(module_waits(pair.sender.module));
+    peer_connect(&pair.station, &other, "O");
+    peer_subscribe(&other, "M", 1);
+    publish_all(&pair, "M9");
+    peer_expect(&other, "1 M 9");
+    close_pair(&pair);
+}
+
+static void a_module_does_not_wait_for_itself(void **state)
+{
+    struct pair pair;
+    (void)state;
+    open_small_pair(&pair, 8);
+    peer_unsubscribe(&pair.receiver, "M", 'M');
+    peer_subscribe(&pair.sender, "M", 1);
+    publish_all(&pair, "M0");
+    peer_expect(&pair.sender, "1 M 0");
+    publish_all(&pair, "M0 M1 M2 M3 M4 M5 M6 M7");
+    station_run(&pair.station);
+    assert_false(module_waits(pair.sender.module));
+    peer_expect(&pair.sender, "1 M 0, 1 M 1, 1 M 2, 1 M 3, 1 M 4, 1 M 5, 1 M 6, 1 M 7");
+    close_pair(&pair);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -559,6 +688,13 @@ int main(void)
         cmocka_unit_test(a_list_goes_before_anything_that_follows_from_the_subscription),
         cmocka_unit_test(other_libraries_get_nothing_before_they_have_handled_the_newest_list),
         cmocka_unit_test(links_with_a_list_are_flushed_first),
+        cmocka_unit_test(who_outpaces_a_working_receiver_waits_and_loses_nothing),
+        cmocka_unit_test(waiting_begins_at_half_of_the_bytes_too),
+        cmocka_unit_test(nobody_waits_long_for_a_receiver_that_has_stopped),
+        cmocka_unit_test(others_are_heard_while_one_waits),
+        cmocka_unit_test(what_a_waiting_sender_has_said_is_heard_when_it_ends),
+        cmocka_unit_test(a_sender_goes_on_when_the_receiver_ends),
+        cmocka_unit_test(a_module_does_not_wait_for_itself),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

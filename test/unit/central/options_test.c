@@ -117,6 +117,44 @@ static void impossible_ports_are_refused(void **state)
     }
 }
 
+static void limits_are_set_by_name(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "--limit-queue-bytes=5000 -c --limit-stuck-seconds=0.25 "
+                               "--limit-message-bytes=1e6"),
+                     OPTIONS_GO);
+    assert_int_equal(f.options.limits.pending_bytes, 5000);
+    assert_int_equal(f.options.limits.stuck_ns, 250000000);
+    assert_int_equal(f.options.limits.data, 1000000);
+    assert_int_equal(f.options.limits.pending_messages, 2000000);
+    assert_true(f.options.direct);
+    close_fixture(&f);
+}
+
+static void wrong_limits_are_refused(void **state)
+{
+    static const char *const illegal[] = {
+        "--limit-queue-bytes=",        "--limit-queue-bytes=0",  "--limit-queue-bytes=-1",
+        "--limit-queue-bytes=5k",      "--limit-queue-bytes=nan", "--limit-queue-bytes=1e30",
+        "--limit-message-bytes=1e10",  "--limit-stuck-seconds=0"};
+    static const char *const unknown[] = {"--limit-", "--limit-queue-bytes", "--limit-queue=3",
+                                          "--limit-queue-bytesx=3"};
+    (void)state;
+    for (size_t i = 0; i < N_ELEMENTS(illegal) + N_ELEMENTS(unknown); i++) {
+        struct fixture f;
+        char expected[100];
+        const bool known = i < N_ELEMENTS(illegal);
+        const char *line = known ? illegal[i] : unknown[i - N_ELEMENTS(illegal)];
+        assert_int_equal(parse(&f, line), OPTIONS_WRONG);
+        (void)snprintf(expected, sizeof expected, known ? "Illegal number in %s\n"
+                       : "No such limit %s (--help lists them)\n", line);
+        assert_text(&f.errors, expected);
+        assert_int_equal(f.options.limits.pending_bytes, 1073741824);
+        close_fixture(&f);
+    }
+}
+
 static void log_letters(void **state)
 {
     struct fixture f;
@@ -169,6 +207,10 @@ static void the_listing_and_the_version_are_shown_alone(void **state)
     close_fixture(&f);
 
     assert_int_equal(parse(&f, "-p5 --help"), OPTIONS_SHOWN);
+    assert_int_equal(buffer_append(&f.out, "", 1), 0);
+    assert_non_null(strstr((char *)f.out.bytes,
+                           "\n --limit-progress-seconds=<number>: senders wait for a receiver that "
+                           "finishes nothing - the default is: 0.25\n"));
     close_fixture(&f);
     assert_int_equal(parse(&f, "-p5 --version"), OPTIONS_SHOWN);
     close_fixture(&f);
@@ -223,6 +265,8 @@ int main(void)
         cmocka_unit_test(options_are_single_arguments),
         cmocka_unit_test(what_is_unknown_is_said_and_ignored),
         cmocka_unit_test(impossible_ports_are_refused),
+        cmocka_unit_test(limits_are_set_by_name),
+        cmocka_unit_test(wrong_limits_are_refused),
         cmocka_unit_test(log_letters),
         cmocka_unit_test(the_listing_and_the_version_are_shown_alone),
         cmocka_unit_test(names_to_ignore_come_from_options_and_files),
