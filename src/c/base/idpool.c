@@ -71,9 +71,20 @@ void idpool_release(struct idpool *pool, uint32_t number)
     pool->in_use--;
 }
 
-uint32_t idpool_generation(const struct idpool *pool, int64_t number)
+/* A handle is generation and number + 1. */
+#define NUMBER_BITS (sizeof(uintptr_t) * 4)
+#define NUMBER_MASK (((uintptr_t)1 << NUMBER_BITS) - 1)
+
+uintptr_t idpool_handle(const struct idpool *pool, uint32_t number)
 {
-    if (number < 0 || number >= pool->n_slots)
-        return 0;
-    return pool->slots[number].generation;
+    assert(number < pool->n_slots && pool->slots[number].thing != NULL);
+    const uintptr_t generation = pool->slots[number].generation;
+    return generation << NUMBER_BITS | ((uintptr_t)number + 1);
+}
+
+void *idpool_find(const struct idpool *pool, uintptr_t handle)
+{
+    const uintptr_t number = (handle & NUMBER_MASK) - 1;
+    void *thing = number < pool->n_slots ? pool->slots[number].thing : NULL;
+    return thing != NULL && idpool_handle(pool, (uint32_t)number) == handle ? thing : NULL;
 }

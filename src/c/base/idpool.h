@@ -37,7 +37,10 @@ void *idpool_get(const struct idpool *pool, int64_t number);
 /* Frees the number of a thing. */
 void idpool_release(struct idpool *pool, uint32_t number);
 
-/* How often the number was released; 0 for numbers never given out. */
-uint32_t idpool_generation(const struct idpool *pool, int64_t number);
+/* The number of a thing together with its generation, in disguise; never 0. */
+uintptr_t idpool_handle(const struct idpool *pool, uint32_t number);
+
+/* The thing of a handle, NULL if it has gone, or for what never was a handle. */
+void *idpool_find(const struct idpool *pool, uintptr_t handle);
 
 #endif

@@ -27,7 +27,7 @@ IPC_RETURN_TYPE IPC_setContext(IPC_CONTEXT_PTR context)
     struct library *library = library_enter();
     const bool known = context_is_known(library, context);
     struct running *running = library_running(library);
-    if (known && running != NULL && running->own_context) {
+    if (known && running != NULL && running->context != NULL) {
         running->context = context;
     } else if (known) {
         library->current = context;

@@ -62,12 +62,16 @@ int IPC_isMsgDefined(const char *msgName)
 IPC_RETURN_TYPE IPC_publish(const char *msgName, unsigned int length, BYTE_ARRAY content)
 {
     struct api api;
+    struct message *message;
     if (api_is_missing(msgName)) {
         return report(IPC_Null_Argument);
     }
     IPC_ERROR_TYPE error = api_enter(&api);
     if (error == IPC_No_Error) {
-        error = publish(api.context, msgName, length, content);
+        error = registry_find(api.context, msgName, true, &message);
+    }
+    if (error == IPC_No_Error) {
+        error = publish(api.context, message, length, content);
     }
     return api_leave(&api, error);
 }
@@ -95,10 +99,10 @@ static IPC_ERROR_TYPE publish_data(struct api *api, const char *name, const void
     }
     error = publish_encode(api->library, message->content, data, &encoded);
     if (error == IPC_No_Error && !context_is_connected(api->context)) {
-        error = IPC_Not_Connected;
+        error = IPC_Not_Connected; /* and the message has gone with the connection */
     }
     if (error == IPC_No_Error) {
-        error = publish(api->context, name, (unsigned int)encoded.length, encoded.content);
+        error = publish(api->context, message, (unsigned int)encoded.length, encoded.content);
     }
     publish_release(api->library, &encoded);
     return error;

@@ -273,7 +273,7 @@ static void make_current(struct library *library, struct _X_IPC_CONTEXT *context
     context->unseen = false;
     context->state = CONTEXT_CONNECTED;
     library->current = context;
-    if (running != NULL && running->own_context) {
+    if (running != NULL && running->context != NULL) {
         running->context = context;
     }
     if (context->link.fd > library->max_fd) {

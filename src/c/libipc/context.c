@@ -21,8 +21,7 @@ static struct _X_IPC_CONTEXT *context_allocate(struct library *library)
     struct list *position;
     struct list *following;
     LIST_EACH (position, following, &library->contexts) {
-        struct _X_IPC_CONTEXT *context =
-            LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
+        struct _X_IPC_CONTEXT *context = context_at(position);
         if (context->unseen && context->state == CONTEXT_CLOSED) {
             list_remove(position);
             free(context->server_name);
@@ -70,13 +69,26 @@ void context_discard(struct _X_IPC_CONTEXT *context)
 
 bool context_is_known(const struct library *library, const struct _X_IPC_CONTEXT *pointer)
 {
-    const struct list *position = library->contexts.next;
+    struct list *position = library->contexts.next;
     for (; position != &library->contexts; position = position->next) {
-        if (LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library) == pointer) {
+        if (context_at(position) == pointer) {
             return true;
         }
     }
     return false;
+}
+
+void context_acknowledge(struct _X_IPC_CONTEXT *context, int32_t dispatch)
+{
+    struct frame frame;
+    frame_init(&frame, CLASS_SUCCESS);
+    frame.parent = dispatch;
+    frame.dispatch = dispatch;
+    link_queue(&context->link, &frame);
+    if (context->acknowledged_ns == 0) {
+        context->acknowledged_ns = clock_ns();
+    }
+    context->unfinished--;
 }
 
 /* Everybody who waits for an answer is told that none will come. */
@@ -156,8 +168,7 @@ struct _X_IPC_CONTEXT *context_take_loss(struct library *library, bool all)
 {
     struct list *position = library->contexts.next;
     for (; position != &library->contexts; position = position->next) {
-        struct _X_IPC_CONTEXT *context =
-            LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
+        struct _X_IPC_CONTEXT *context = context_at(position);
         if (context->state == CONTEXT_LOST && (all || context->loss_noticed)) {
             context->state = CONTEXT_CLOSED;
             return context;

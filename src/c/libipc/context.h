@@ -102,6 +102,14 @@ static inline bool context_is_open(const struct _X_IPC_CONTEXT *context)
     return context->state == CONTEXT_CONNECTED || context->state == CONTEXT_CONNECTING;
 }
 
+static inline struct _X_IPC_CONTEXT *context_at(struct list *position)
+{
+    return LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
+}
+
+/* Tells central that a delivery is finished; the frame leaves with the next write. */
+void context_acknowledge(struct _X_IPC_CONTEXT *context, int32_t dispatch);
+
 /* Whether pointer is a context of this library, closed or not. */
 bool context_is_known(const struct library *library, const struct _X_IPC_CONTEXT *pointer);
 

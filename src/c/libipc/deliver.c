@@ -83,7 +83,7 @@ static int call(struct instance *instance, struct handed *handed)
     struct _X_IPC_CONTEXT *context = instance->context;
     struct library *library = context->library;
     const MSG_INSTANCE handle = instance_handle(instance);
-    struct running running = {NULL, 0, context, true, instance->dispatch, NULL, 0, ORDER_LITTLE};
+    struct running running = library_call(library, context, instance->dispatch);
     struct array_mark mark = {0, 0, 0, ORDER_LITTLE, {0}, {0}};
     instance->running = true;
     if (handed->format == NULL && instance->content != NULL) {
@@ -92,7 +92,7 @@ static int call(struct instance *instance, struct handed *handed)
         running.content_length = instance->length;
         running.content_order = instance->order;
     }
-    library_call_begin(library, &context->turn, &running);
+    library_call_begin(library, &running);
     const int error = decode(instance, handed);
     if (error == 0) {
         if (handed->decoded) {
@@ -101,7 +101,7 @@ static int call(struct instance *instance, struct handed *handed)
         instance->content = NULL;
         handed->function(handle, handed->data, handed->client_data);
     }
-    library_call_end(library, &context->turn, &running);
+    library_call_end(library, &running);
     instance->running = false;
     if (error == 0 && running.content != NULL) {
         /* The handler has kept the bytes and may unmarshall them later, or has freed them itself. */

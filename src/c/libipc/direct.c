@@ -193,18 +193,13 @@ void direct_ready(struct _X_IPC_CONTEXT *context, int fd, int found)
     peer_unref(peer);
 }
 
-bool direct_look(struct _X_IPC_CONTEXT *context, bool urgent)
+void direct_look(struct _X_IPC_CONTEXT *context)
 {
-    bool any = false;
     struct list *position;
     struct list *following;
-    if (!urgent || list_is_empty(&context->peers)) {
-        return false;
-    }
     LIST_EACH (position, following, &context->peers) {
-        any = receive_from_peer(peer_at(position)) || any;
+        (void)receive_from_peer(peer_at(position)); /* what came is in the inbox */
     }
-    return any;
 }
 
 /* --------------------------------------------------------------------- targets */

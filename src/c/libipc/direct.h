@@ -57,8 +57,8 @@ void direct_each_fd(struct _X_IPC_CONTEXT *context,
 /* A descriptor of the list above is ready. */
 void direct_ready(struct _X_IPC_CONTEXT *context, int fd, int found);
 
-/* Takes in what has arrived where that is likely, or (urgent) everywhere; whether anything came. */
-bool direct_look(struct _X_IPC_CONTEXT *context, bool urgent);
+/* Takes in what has arrived from other modules. */
+void direct_look(struct _X_IPC_CONTEXT *context);
 
 /* Forgets where a message goes. */
 void direct_forget_targets(struct message *message);

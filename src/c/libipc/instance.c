@@ -10,10 +10,6 @@
 #include "libipc/direct.h"
 #include "libipc/subscription.h"
 
-/* A handle is generation and number + 1, so that it is never NULL. */
-#define NUMBER_BITS (sizeof(uintptr_t) * 4)
-#define NUMBER_MASK (((uintptr_t)1 << NUMBER_BITS) - 1)
-
 struct instance *instance_new(struct _X_IPC_CONTEXT *context, enum instance_kind kind)
 {
     struct library *library = context->library;
@@ -47,16 +43,12 @@ void instance_free(struct instance *instance)
 
 MSG_INSTANCE instance_handle(const struct instance *instance)
 {
-    const struct library *library = instance->context->library;
-    const uintptr_t generation = idpool_generation(&library->instances, instance->number);
-    return (MSG_INSTANCE)(generation << NUMBER_BITS | ((uintptr_t)instance->number + 1));
+    return (MSG_INSTANCE)idpool_handle(&instance->context->library->instances, instance->number);
 }
 
 struct instance *instance_find(const struct library *library, MSG_INSTANCE handle)
 {
-    const uintptr_t number = ((uintptr_t)handle & NUMBER_MASK) - 1;
-    struct instance *instance = idpool_get(&library->instances, (int64_t)number);
-    return instance != NULL && instance_handle(instance) == handle ? instance : NULL;
+    return idpool_find(&library->instances, (uintptr_t)handle);
 }
 
 bool instance_may_run(const struct instance *instance)
@@ -87,14 +79,6 @@ void instance_acknowledge(struct instance *instance)
     if (instance->dispatch == NO_ID || !context_is_connected(context)) {
         return;
     }
-    struct frame frame;
-    frame_init(&frame, CLASS_SUCCESS);
-    frame.parent = instance->dispatch;
-    frame.dispatch = instance->dispatch;
-    link_queue(&context->link, &frame);
-    if (context->acknowledged_ns == 0) {
-        context->acknowledged_ns = clock_ns();
-    }
+    context_acknowledge(context, instance->dispatch);
     instance->dispatch = NO_ID;
-    context->unfinished--;
 }

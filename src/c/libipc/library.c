@@ -19,9 +19,9 @@ static struct library the_library;
  */
 static void library_end(void)
 {
-    const struct list *position = the_library.contexts.next;
+    struct list *position = the_library.contexts.next;
     for (; position != &the_library.contexts; position = position->next) {
-        net_remove_local(&LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library)->direct_local);
+        net_remove_local(&context_at(position)->direct_local);
     }
 }
 
@@ -126,13 +126,17 @@ struct running *library_running(const struct library *library)
 struct _X_IPC_CONTEXT *library_context(const struct library *library)
 {
     const struct running *running = library_running(library);
-    return running != NULL && running->own_context ? running->context : library->current;
+    return running != NULL && running->context != NULL ? running->context : library->current;
+}
+
+static struct _X_IPC_CONTEXT *if_connected(struct _X_IPC_CONTEXT *context)
+{
+    return context != NULL && context_is_connected(context) ? context : NULL;
 }
 
 struct _X_IPC_CONTEXT *library_connected(const struct library *library)
 {
-    struct _X_IPC_CONTEXT *context = library_context(library);
-    return context != NULL && context_is_connected(context) ? context : NULL;
+    return if_connected(library_context(library));
 }
 
 bool library_any_connected(const struct library *library)
@@ -140,7 +144,7 @@ bool library_any_connected(const struct library *library)
     struct list *position;
     struct list *following;
     LIST_EACH (position, following, &library->contexts) {
-        if (context_is_connected(LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library))) {
+        if (context_is_connected(context_at(position))) {
             return true;
         }
     }
@@ -154,22 +158,40 @@ bool library_is_ready(const struct library *library)
 
 /* --------------------------------------------------------------- callbacks */
 
-bool turn_is_free(const struct turn *turn)
+/* The one that callbacks of a connected context take, or (NULL) those of no context. */
+static struct turn *turn_of(struct library *library, struct _X_IPC_CONTEXT *context)
 {
+    return context != NULL ? &context->turn : &library->turn;
+}
+
+bool library_turn_is_free(struct library *library, struct _X_IPC_CONTEXT *context)
+{
+    const struct turn *turn = turn_of(library, if_connected(context));
     return turn->thread == 0 || turn->thread == thread_number();
 }
 
-void library_call_begin(struct library *library, struct turn *turn, struct running *running)
+struct running library_call(struct library *library, struct _X_IPC_CONTEXT *context,
+                            int32_t dispatch)
+{
+    struct running running;
+    memset(&running, 0, sizeof running);
+    running.context = if_connected(context);
+    running.turn = turn_of(library, running.context);
+    running.dispatch = dispatch;
+    return running;
+}
+
+void library_call_begin(struct library *library, struct running *running)
 {
     running->thread = thread_number();
     running->outer = library->running;
     library->running = running;
-    turn->thread = running->thread;
-    turn->depth++;
+    running->turn->thread = running->thread;
+    running->turn->depth++;
     library_leave(library);
 }
 
-void library_call_end(struct library *library, struct turn *turn, struct running *running)
+void library_call_end(struct library *library, struct running *running)
 {
     mutex_lock(library->lock);
     struct running **link = &library->running;
@@ -177,8 +199,8 @@ void library_call_end(struct library *library, struct turn *turn, struct running
         link = &(*link)->outer;
     }
     *link = running->outer;
-    if (--turn->depth == 0) {
-        turn->thread = 0;
+    if (--running->turn->depth == 0) {
+        running->turn->thread = 0;
         wake_all(library); /* others may have waited for their turn */
     }
 }

@@ -42,8 +42,8 @@ struct turn {
 struct running {
     struct running *outer; /* of any thread, in library.running */
     uintptr_t thread;
+    struct turn *turn;              /* that it takes */
     struct _X_IPC_CONTEXT *context; /* current for this thread; NULL: the process-wide one */
-    bool own_context;               /* IPC_setContext changes context here, not process-wide */
     int32_t dispatch;               /* parent of what the callback sends, NO_ID: none */
     const void *content;            /* byte array that the callback was given, or NULL */
     size_t content_length;
@@ -117,13 +117,21 @@ bool library_is_ready(const struct library *library);
 /* The innermost callback of this thread, or NULL. */
 struct running *library_running(const struct library *library);
 
-/* A callback begins: the lock is given up.  running is the caller's and filled in by it. */
-void library_call_begin(struct library *library, struct turn *turn, struct running *running);
+/*
+ * A callback that belongs to a context; to none if that is NULL or no longer connected.  dispatch is
+ * the parent of what it sends.  Stays on the caller's stack until library_call_end.
+ */
+struct running library_call(struct library *library, struct _X_IPC_CONTEXT *context,
+                            int32_t dispatch);
+
+/* It begins: the lock is given up. */
+void library_call_begin(struct library *library, struct running *running);
 
 /* It has returned: the lock is held again. */
-void library_call_end(struct library *library, struct turn *turn, struct running *running);
+void library_call_end(struct library *library, struct running *running);
 
-/* Whether this thread may run callbacks of that turn now: nobody does, or it does itself. */
-bool turn_is_free(const struct turn *turn);
+/* Whether this thread may run callbacks of that context (see library_call) now: nobody does, or it
+ * does itself. */
+bool library_turn_is_free(struct library *library, struct _X_IPC_CONTEXT *context);
 
 #endif

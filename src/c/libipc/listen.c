@@ -20,11 +20,6 @@
 /* Acknowledgements may wait for company, but not for longer than this. */
 enum { ACKNOWLEDGE_NS = 1000000 };
 
-static struct _X_IPC_CONTEXT *context_at(struct list *position)
-{
-    return LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
-}
-
 /* Takes in what has arrived where it is likely that something has, or, if urgent, everywhere. */
 static void look(struct library *library, bool urgent)
 {
@@ -34,7 +29,9 @@ static void look(struct library *library, bool urgent)
         if (context_is_connected(context) && inbox_first(context) == NULL &&
             (urgent || context->try_first)) {
             context->try_first = receive(context);
-            (void)direct_look(context, urgent); /* what came is in the inbox */
+            if (urgent) {
+                direct_look(context);
+            }
         }
     }
     if (!list_is_empty(&library->watched_fds)) {
@@ -56,7 +53,7 @@ static int run_messages(struct _X_IPC_CONTEXT *context, int limit)
     int n_run = 0;
     size_t n_waiting = context->n_inbox;
     while (n_waiting-- > 0 && n_run < limit && context_is_connected(context) &&
-           turn_is_free(&context->turn)) {
+           library_turn_is_free(context->library, context)) {
         struct instance *instance = inbox_take(context);
         if (instance == NULL) {
             break; /* a nested call has been faster, or the capacity is used up */
@@ -138,25 +135,25 @@ static enum listen_result rounds(struct library *library, uint64_t deadline_ns,
     }
 }
 
-enum listen_result listen_pass(struct library *library, uint64_t deadline_ns,
-                               enum listen_mode mode)
+static enum listen_result pass(struct library *library, uint64_t deadline_ns,
+                               enum listen_mode mode, const struct awaited *awaited)
 {
-    if (library_connected(library) == NULL) {
-        return LISTEN_DISCONNECTED;
-    }
     library->listeners++;
-    const enum listen_result result = rounds(library, deadline_ns, mode, NULL);
+    const enum listen_result result = rounds(library, deadline_ns, mode, awaited);
     flush_acknowledgements(library);
     library->listeners--;
     return result;
 }
 
-enum listen_result listen_pass_for(struct library *library, uint64_t deadline_ns,
-                                   const struct awaited *awaited)
+enum listen_result listen_pass(struct library *library, uint64_t deadline_ns,
+                               enum listen_mode mode)
 {
-    library->listeners++;
-    const enum listen_result result = rounds(library, deadline_ns, LISTEN_BATCH, awaited);
-    flush_acknowledgements(library);
-    library->listeners--;
-    return result;
+    return library_connected(library) != NULL ? pass(library, deadline_ns, mode, NULL)
+                                              : LISTEN_DISCONNECTED;
+}
+
+void listen_pass_for(struct library *library, uint64_t deadline_ns,
+                     const struct awaited *awaited)
+{
+    (void)pass(library, deadline_ns, LISTEN_BATCH, awaited);
 }

@@ -25,8 +25,8 @@ enum listen_result listen_pass(struct library *library, uint64_t deadline_ns,
                                enum listen_mode mode);
 
 /* The same on behalf of a query: also ends as soon as that is done or has failed, and does not
- * care whether the current context is connected. */
-enum listen_result listen_pass_for(struct library *library, uint64_t deadline_ns,
-                                   const struct awaited *awaited);
+ * care whether the current context is connected.  The result is in awaited. */
+void listen_pass_for(struct library *library, uint64_t deadline_ns,
+                     const struct awaited *awaited);
 
 #endif

@@ -150,15 +150,15 @@ static size_t list_calls(const struct instance *notice, const char *message, str
 static void run(struct instance *notice, const struct call *call, bool change)
 {
     struct _X_IPC_CONTEXT *context = notice->context;
-    struct running running = {NULL, 0, context, true, notice->dispatch, NULL, 0, ORDER_LITTLE};
+    struct running running = library_call(context->library, context, notice->dispatch);
     const char *name = notice->notice_name;
-    library_call_begin(context->library, &context->turn, &running);
+    library_call_begin(context->library, &running);
     if (change) {
         ((CHANGE_HANDLE_TYPE)call->function)(name, notice->notice_count, call->client_data);
     } else {
         ((CONNECT_HANDLE_TYPE)call->function)(name, call->client_data);
     }
-    library_call_end(context->library, &context->turn, &running);
+    library_call_end(context->library, &running);
 }
 
 void notify_run(struct instance *notice)

@@ -23,7 +23,7 @@ static IPC_ERROR_TYPE wrong_length(const char *kind, const struct message *messa
     return error;
 }
 
-IPC_ERROR_TYPE publish_check_length(const struct message *message, unsigned int *length)
+static IPC_ERROR_TYPE check_length(const struct message *message, unsigned int *length)
 {
     if (message->wire == WIRE_VARIABLE) {
         if (*length == IPC_FIXED_LENGTH) {
@@ -44,6 +44,13 @@ IPC_ERROR_TYPE publish_check_length(const struct message *message, unsigned int 
     }
     *length = (unsigned int)message->fixed_length;
     return IPC_No_Error;
+}
+
+IPC_ERROR_TYPE publish_check(const struct message *message, unsigned int *length,
+                             const void *content)
+{
+    const IPC_ERROR_TYPE error = check_length(message, length);
+    return error == IPC_No_Error && content == NULL && *length > 0 ? IPC_Null_Argument : error;
 }
 
 /* --------------------------------------------------------------------- frames */
@@ -130,18 +137,11 @@ IPC_ERROR_TYPE publish_send(struct _X_IPC_CONTEXT *context, struct frame *frame,
     return publish_frame(context, frame, message, content, length);
 }
 
-IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
-                       const void *content)
+IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
+                       unsigned int length, const void *content)
 {
-    struct message *message;
     struct frame frame;
-    IPC_ERROR_TYPE error = registry_find(context, name, true, &message);
-    if (error == IPC_No_Error) {
-        error = publish_check_length(message, &length);
-    }
-    if (error == IPC_No_Error && content == NULL && length > 0) {
-        error = IPC_Null_Argument;
-    }
+    const IPC_ERROR_TYPE error = publish_check(message, &length, content);
     if (error != IPC_No_Error || nobody_subscribes(context, message)) {
         return error;
     }

@@ -6,13 +6,14 @@
 
 #include "libipc/instance.h"
 
-/* Checks a length argument against the message, with the manual's warnings; IPC_FIXED_LENGTH becomes
- * the message's length. */
-IPC_ERROR_TYPE publish_check_length(const struct message *message, unsigned int *length);
+/* Checks content and its length against the message, with the manual's warnings; IPC_FIXED_LENGTH
+ * becomes the message's length. */
+IPC_ERROR_TYPE publish_check(const struct message *message, unsigned int *length,
+                             const void *content);
 
-/* Publishes content_length bytes that stay the caller's. */
-IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
-                       const void *content);
+/* Publishes so many bytes, which stay the caller's; they are checked. */
+IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
+                       unsigned int length, const void *content);
 
 /* Sends a publication or query to where the message goes: to central, or directly. */
 IPC_ERROR_TYPE publish_send(struct _X_IPC_CONTEXT *context, struct frame *frame,

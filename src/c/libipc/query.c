@@ -22,9 +22,9 @@ static IPC_ERROR_TYPE prepare(struct _X_IPC_CONTEXT *context, const char *name,
 {
     IPC_ERROR_TYPE error = registry_find(context, name, true, message);
     if (error == IPC_No_Error) {
-        error = publish_check_length(*message, length);
+        error = publish_check(*message, length, content);
     }
-    return error == IPC_No_Error && content == NULL && *length > 0 ? IPC_Null_Argument : error;
+    return error;
 }
 
 /* Sends the query; awaited is in the table before anything can come back. */
@@ -67,7 +67,7 @@ static IPC_ERROR_TYPE listen_for(struct _X_IPC_CONTEXT *context, struct awaited 
             return IPC_No_Error;
         }
         last = wait_is_over(deadline_ns); /* one more look at what is there already */
-        (void)listen_pass_for(context->library, deadline_ns, awaited); /* its result is in awaited */
+        listen_pass_for(context->library, deadline_ns, awaited);
     }
     return awaited->done ? IPC_No_Error : IPC_Not_Connected;
 }

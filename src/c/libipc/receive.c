@@ -115,16 +115,6 @@ static int take_reply(struct _X_IPC_CONTEXT *context, const struct frame *frame)
 
 /* ----------------------------------------------------------------- deliveries */
 
-static void acknowledge(struct _X_IPC_CONTEXT *context, int32_t dispatch)
-{
-    struct frame frame;
-    frame_init(&frame, CLASS_SUCCESS);
-    frame.parent = dispatch;
-    frame.dispatch = dispatch;
-    link_queue(&context->link, &frame);
-    context->unfinished--;
-}
-
 /* Nearly always the message that the handler was subscribed to, in the same spelling. */
 static struct message *message_of(struct _X_IPC_CONTEXT *context, const struct handler *handler,
                                   const struct frame *frame)
@@ -195,7 +185,7 @@ static int take_delivery(struct _X_IPC_CONTEXT *context, const struct frame *fra
                        frame->intent);
     }
     if (peer == NULL && (handler == NULL || handler->internal(context, handler, frame))) {
-        acknowledge(context, frame->reference);
+        context_acknowledge(context, frame->reference);
     }
     return 0;
 }

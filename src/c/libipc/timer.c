@@ -24,38 +24,14 @@ struct timer {
     bool removed; /* while running: freed when the handler returns */
 };
 
-/* References hold number + 1 below and generation above, so that a dead one is never mistaken. */
-#define NUMBER_BITS (sizeof(uintptr_t) * 4)
-#define NUMBER_MASK (((uintptr_t)1 << NUMBER_BITS) - 1)
-
 static struct timer *timer_at(struct list *position)
 {
     return LIST_OWNER(position, struct timer, in_library);
 }
 
-static TIMER_REF reference_of(const struct library *library, const struct timer *timer)
-{
-    const uintptr_t generation = idpool_generation(&library->timer_ids, timer->number);
-    return (TIMER_REF)(generation << NUMBER_BITS | ((uintptr_t)timer->number + 1));
-}
-
 static struct timer *timer_find(const struct library *library, TIMER_REF reference)
 {
-    const uintptr_t number = ((uintptr_t)reference & NUMBER_MASK) - 1;
-    struct timer *timer = idpool_get(&library->timer_ids, (int64_t)number);
-    return timer != NULL && reference_of(library, timer) == reference ? timer : NULL;
-}
-
-/* The context that a timer belongs to, as long as it is connected. */
-static struct _X_IPC_CONTEXT *owner_of(const struct timer *timer)
-{
-    return timer->context != NULL && context_is_connected(timer->context) ? timer->context : NULL;
-}
-
-static struct turn *turn_of(struct library *library, const struct timer *timer)
-{
-    struct _X_IPC_CONTEXT *owner = owner_of(timer);
-    return owner != NULL ? &owner->turn : &library->turn;
+    return idpool_find(&library->timer_ids, (uintptr_t)reference);
 }
 
 /* Timers that run, or whose turn another thread has, do not end a wait. */
@@ -66,7 +42,7 @@ static void find_next(struct library *library)
     for (; position != &library->timers; position = position->next) {
         const struct timer *timer = timer_at(position);
         if (!timer->running && timer->due_ns < library->next_timer_ns &&
-            turn_is_free(turn_of(library, timer))) {
+            library_turn_is_free(library, timer->context)) {
             library->next_timer_ns = timer->due_ns;
         }
     }
@@ -119,7 +95,7 @@ TIMER_REF timer_add(struct library *library, uint64_t delay_ms, long count,
     timer->pass = 0;
     find_next(library);
     library_changed(library);
-    return reference_of(library, timer);
+    return (TIMER_REF)idpool_handle(&library->timer_ids, timer->number);
 }
 
 static void timer_end(struct library *library, struct timer *timer)
@@ -195,17 +171,16 @@ static void schedule(struct timer *timer, uint64_t now)
 static void timer_call(struct library *library, struct timer *timer, uint64_t now)
 {
     const uint64_t due = timer->due_ns;
-    struct _X_IPC_CONTEXT *owner = owner_of(timer);
-    struct turn *turn = turn_of(library, timer);
-    struct running running = {NULL, 0, owner, owner != NULL, NO_ID, NULL, 0, ORDER_LITTLE};
+    struct running running = library_call(library, timer->context, NO_ID);
+    struct _X_IPC_CONTEXT *owner = running.context;
     const TIMER_HANDLER_TYPE handler = timer->handler;
     void *client_data = timer->client_data;
     schedule(timer, now);
     timer->running = true;
     find_next(library);
-    library_call_begin(library, turn, &running);
+    library_call_begin(library, &running);
     handler(client_data, timer_milliseconds(now), timer_milliseconds(due));
-    library_call_end(library, turn, &running);
+    library_call_end(library, &running);
     timer->running = false;
     if (owner != NULL) {
         context_settle(owner);
@@ -223,7 +198,7 @@ static struct timer *next_due(struct library *library, uint64_t now, uint64_t pa
     for (; position != &library->timers; position = position->next) {
         struct timer *timer = timer_at(position);
         if (!timer->running && timer->due_ns <= now && timer->pass != pass &&
-            turn_is_free(turn_of(library, timer))) {
+            library_turn_is_free(library, timer->context)) {
             return timer;
         }
     }

@@ -80,11 +80,6 @@ static void waiting_add(void *waiting_pointer, int fd, int wanted, struct _X_IPC
     waiting->contexts[waiting->n_items++] = context;
 }
 
-static struct _X_IPC_CONTEXT *context_at(struct list *position)
-{
-    return LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
-}
-
 /* Writes what waits to be written.  Returns whether that, or a loss, is what some thread waits for. */
 static bool flush_all(struct library *library)
 {

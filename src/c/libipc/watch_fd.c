@@ -77,30 +77,17 @@ void watch_fd_remove(struct library *library, int fd)
 }
 
 /* The context that a descriptor belongs to, as long as it is connected. */
-static struct _X_IPC_CONTEXT *owner_of(const struct watched_fd *watched)
-{
-    return watched->context != NULL && context_is_connected(watched->context) ? watched->context
-                                                                              : NULL;
-}
-
-static struct turn *turn_of(struct library *library, const struct watched_fd *watched)
-{
-    struct _X_IPC_CONTEXT *owner = owner_of(watched);
-    return owner != NULL ? &owner->turn : &library->turn;
-}
-
 static void call(struct library *library, struct watched_fd *watched)
 {
-    struct _X_IPC_CONTEXT *owner = owner_of(watched);
-    struct turn *turn = turn_of(library, watched);
-    struct running running = {NULL, 0, owner, owner != NULL, NO_ID, NULL, 0, ORDER_LITTLE};
+    struct running running = library_call(library, watched->context, NO_ID);
+    struct _X_IPC_CONTEXT *owner = running.context;
     const FD_HANDLER_TYPE handler = watched->handler;
     void *client_data = watched->client_data;
     const int fd = watched->fd;
     watched->ready = false;
-    library_call_begin(library, turn, &running); /* the entry may be gone from here on */
+    library_call_begin(library, &running); /* the entry may be gone from here on */
     handler(fd, client_data);
-    library_call_end(library, turn, &running);
+    library_call_end(library, &running);
     if (owner != NULL) {
         context_settle(owner);
     }
@@ -123,8 +110,8 @@ static struct watched_fd *next_ready(struct library *library, int last)
     struct list *position = library->watched_fds.next;
     for (; position != &library->watched_fds; position = position->next) {
         struct watched_fd *watched = watched_at(position);
-        if (watched->fd > last && watched->ready && turn_is_free(turn_of(library, watched)) &&
-            is_still_ready(watched)) {
+        if (watched->fd > last && watched->ready &&
+            library_turn_is_free(library, watched->context) && is_still_ready(watched)) {
             return watched;
         }
     }

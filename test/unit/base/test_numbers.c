@@ -51,22 +51,31 @@ static void numbers_from_outside_are_checked(void **state)
     assert_null(idpool_get(&pool, 1));
     assert_null(idpool_get(&pool, INT64_MAX));
     assert_null(idpool_get(&pool, INT64_MIN));
-    assert_int_equal(idpool_generation(&pool, -1), 0);
-    assert_int_equal(idpool_generation(&pool, 77), 0);
+    assert_null(idpool_find(&pool, 0));
+    assert_null(idpool_find(&pool, 2));
+    assert_null(idpool_find(&pool, UINTPTR_MAX));
     idpool_release(&pool, 0);
     assert_null(idpool_get(&pool, 0));
+    assert_null(idpool_find(&pool, 1));
     idpool_fini(&pool);
 }
 
-static void each_release_starts_a_new_generation(void **state)
+static void a_handle_finds_its_thing_and_no_later_one(void **state)
 {
     (void)state;
     struct idpool pool;
+    uintptr_t handles[10];
     idpool_init(&pool);
-    for (uint32_t i = 0; i < 10; i++) {
+    for (size_t i = 0; i < 10; i++) {
         assert_int_equal(idpool_take(&pool, &things[0]), 0);
-        assert_int_equal(idpool_generation(&pool, 0), i);
+        handles[i] = idpool_handle(&pool, 0);
+        assert_int_not_equal(handles[i], 0);
+        assert_ptr_equal(idpool_find(&pool, handles[i]), &things[0]);
+        for (size_t j = 0; j < i; j++) {
+            assert_null(idpool_find(&pool, handles[j]));
+        }
         idpool_release(&pool, 0);
+        assert_null(idpool_find(&pool, handles[i]));
     }
     idpool_fini(&pool);
 }
@@ -158,7 +167,7 @@ int main(void)
         cmocka_unit_test(numbers_start_at_zero_and_count_up),
         cmocka_unit_test(the_latest_freed_number_is_given_out_first),
         cmocka_unit_test(numbers_from_outside_are_checked),
-        cmocka_unit_test(each_release_starts_a_new_generation),
+        cmocka_unit_test(a_handle_finds_its_thing_and_no_later_one),
         cmocka_unit_test(a_map_finds_what_was_put),
         cmocka_unit_test(putting_again_replaces),
         cmocka_unit_test(a_map_agrees_with_an_array_under_random_use),
