@@ -92,8 +92,7 @@ struct central *connected(void);
 
 /* Whether the library under test is CMU IPC. */
 bool is_original(void);
-/* What this module has published has come back to it, and waits.  An original would handle it when
- * asked. */
+/* What this module has published, at the first central, has come back to it and waits unread. */
 void let_arrive(void);
 /* Lets an original notice who subscribes to what, which it does while it listens. */
 void settle(void);

@@ -97,6 +97,13 @@ static void flush_acknowledgements(struct library *library)
     }
 }
 
+/* Whether what has arrived must be known before anything runs: at the end of the time, and where a
+ * message, even one that is still unread, goes before a descriptor. */
+static bool is_urgent(const struct library *library, bool over, enum listen_mode mode)
+{
+    return over || (mode == LISTEN_ONE && !list_is_empty(&library->watched_fds));
+}
+
 static bool is_answered(const struct awaited *awaited)
 {
     return awaited != NULL && (awaited->done || awaited->failed);
@@ -111,7 +118,7 @@ static enum listen_result rounds(struct library *library, uint64_t deadline_ns,
         if (awaited == NULL && library_connected(library) == NULL) {
             return LISTEN_NOTHING; /* a timer has disconnected */
         }
-        look(library, over);
+        look(library, is_urgent(library, over, mode));
         if (is_answered(awaited)) {
             return LISTEN_NOTHING;
         }
