@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "central/variable.h"
+#include "central/value.h"
 
 bool broadcasts_put(struct server *server, struct message *message, size_t n_subscriptions)
 {
@@ -38,7 +38,7 @@ void broadcasts_tell(struct server *server)
         list.names[list.used++] = LIST_OWNER(at, struct message, in_broadcasts)->name;
     }
     list.room = list.used;
-    variable_set_own(server, server->broadcasts, &list);
+    value_set_own(server, server->broadcasts, &list);
     free(list.names);
 }
 

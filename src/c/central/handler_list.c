@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "central/variable.h"
+#include "central/value.h"
 
 static void fill_in(struct handler_address *address, const struct handler *handler)
 {
@@ -58,7 +58,7 @@ void handler_list_changed(struct server *server, const struct message *message)
         return;
     }
     handler_list_init(server, &list, message);
-    variable_set_own(server, message->handlers, &list);
+    value_set_own(server, message->handlers, &list);
     handler_list_fini(&list);
 }
 

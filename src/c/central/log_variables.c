@@ -3,7 +3,7 @@
  */
 #include "central/log_variables.h"
 
-#include "central/variable.h"
+#include "central/value.h"
 
 /* The format as modules have always seen it registered. */
 #define REGISTERED_FORMAT "{*int,int,int,int,int,int,int,int,int,int,int,int}"
@@ -41,7 +41,7 @@ static void set(struct server *server, struct variable *variable, const struct l
         .ignore = on->ignore,
         .ignore_now = 0,
     };
-    variable_set_own(server, variable, &value);
+    value_set_own(server, variable, &value);
 }
 
 void log_variables_set_terminal(struct server *server)

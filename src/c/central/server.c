@@ -12,7 +12,7 @@
 #include "central/log_variables.h"
 #include "central/outbox.h"
 #include "central/tap.h"
-#include "central/variable.h"
+#include "central/value.h"
 #include "platform/platform.h"
 
 /* ------------------------------------------------------------ what it begins with */
@@ -67,7 +67,7 @@ static struct variable *define_list_variable(struct server *server, const char *
     struct name_list none = {0, 0, NULL};
     struct variable *variable =
         variable_define_own(server, name, FORMAT_NAME_LIST, server->catalogue.name_list);
-    variable_set_own(server, variable, &none);
+    value_set_own(server, variable, &none);
     return variable;
 }
 

@@ -1,7 +1,7 @@
 /*
  * Requests of modules that connect and leave.
  */
-#include "central/service.h"
+#include "central/request.h"
 
 #include "central/ending.h"
 #include "central/notify.h"

@@ -1,7 +1,7 @@
 /*
  * Requests about messages, formats and subscriptions.
  */
-#include "central/service.h"
+#include "central/request.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /*
  * Requests about modules and their handlers.
  */
-#include "central/service.h"
+#include "central/request.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /*
  * Requests about resources: capacity, limits, locks and reservations.
  */
-#include "central/service.h"
+#include "central/request.h"
 
 #include "central/claim.h"
 #include "central/flow.h"

@@ -2,7 +2,7 @@
  * Requests to tap messages.  Taps on single deliveries are accepted and never
  * fire.
  */
-#include "central/service.h"
+#include "central/request.h"
 
 #include "central/services.h"
 #include "central/tap.h"

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "central/variable.h"
+#include "central/value.h"
 
 static struct tap_entry *find(const struct message *tapped, const struct message *listening,
                               int condition, size_t *count)
@@ -42,7 +42,7 @@ static void tell(struct server *server)
         }
     }
     list.room = list.used;
-    variable_set_own(server, server->tapped, &list);
+    value_set_own(server, server->tapped, &list);
     free(list.names);
 }
 

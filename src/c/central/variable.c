@@ -7,10 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/error.h"
 #include "base/memory.h"
 #include "central/own_request.h"
-#include "central/watch.h"
 
 struct variable *variable_find(const struct server *server, const char *name)
 {
@@ -121,36 +119,6 @@ struct variable *variable_define_own(struct server *server, const char *name, co
     }
     own_request_end(server, request);
     return variable;
-}
-
-/* --------------------------------------------------------------------- value */
-
-int variable_set(struct server *server, struct variable *variable, const uint8_t *bytes,
-                 size_t length, enum byte_order order)
-{
-    struct block *value = block_copy(bytes, length);
-    if (value == NULL) {
-        return ERR_MEMORY;
-    }
-    block_unref(variable->value);
-    variable->value = value;
-    variable->order = (uint8_t)order;
-    watch_changed(server, variable);
-    return 0;
-}
-
-void variable_set_own(struct server *server, struct variable *variable, const void *value)
-{
-    struct buffer data;
-    buffer_init(&data);
-    if (payload_encode(variable->format, value, &data) == 0) {
-        struct dispatch *request =
-            own_request_begin(server, variable_message(variable, MESSAGE_SET), &data);
-        /* Without memory the old value stays, and those who watch are told of the next one. */
-        (void)variable_set(server, variable, data.bytes, data.length, byte_order_of_host());
-        own_request_end(server, request);
-    }
-    buffer_fini(&data);
 }
 
 void variable_free_all(struct server *server)

@@ -2,7 +2,7 @@
  * Variables: values that the server keeps for everybody.
  *
  * A variable is four messages: one sets it, one gets it, one does both, and one
- * tells those who watch it (see watch.h).  The server keeps some of its own.
+ * tells those who watch it (see value.h and watch.h).  The server keeps some of its own.
  */
 #ifndef IPC_CENTRAL_VARIABLE_H
 #define IPC_CENTRAL_VARIABLE_H
@@ -37,15 +37,6 @@ struct variable *variable_define(struct server *server, const char *name, struct
 /* The same for one of the server's own, with the lines that the log has for it. */
 struct variable *variable_define_own(struct server *server, const char *name, const char *text,
                                      struct format *format);
-
-/* Sets an encoded value that is known to fit the format; tells those who watch.  0 or ERR_MEMORY.
- */
-int variable_set(struct server *server, struct variable *variable, const uint8_t *bytes,
-                 size_t length, enum byte_order order);
-
-/* Encodes and sets a value of one of the server's own variables, with the lines that the log has
- * for it. */
-void variable_set_own(struct server *server, struct variable *variable, const void *value);
 
 /* Frees all variables. */
 void variable_free_all(struct server *server);

@@ -8,7 +8,7 @@
 #include "central/answer.h"
 #include "central/ending.h"
 #include "central/services.h"
-#include "central/variable.h"
+#include "central/value.h"
 
 /* Whether the frame's data are a value of that format, all of them. */
 static bool is_value(const struct format *format, const struct frame *frame)
@@ -28,8 +28,8 @@ static bool is_value(const struct format *format, const struct frame *frame)
 /* The request may have been answered, and so be over, before. */
 static void set(const struct request *request, struct variable *variable, const struct frame *frame)
 {
-    if (variable_set(request->server, variable, frame->data, frame->data_length,
-                     (enum byte_order)frame->data_order) != 0) {
+    if (value_set(request->server, variable, frame->data, frame->data_length,
+                  (enum byte_order)frame->data_order) != 0) {
         log_warning(&request->server->log, request->module, "there is no memory to set %s",
                     variable->name);
     }

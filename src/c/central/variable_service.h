@@ -4,7 +4,7 @@
 #ifndef IPC_CENTRAL_VARIABLE_SERVICE_H
 #define IPC_CENTRAL_VARIABLE_SERVICE_H
 
-#include "central/service.h"
+#include "central/request.h"
 
 /* Carries out a frame to a message of a variable. */
 void variable_service(struct request *request, const struct frame *frame);

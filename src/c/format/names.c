@@ -12,16 +12,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/table.h"
-#include "format/diagnosis.h"
-#include "format/handle.h"
 #include "format/names_impl.h"
-#include "format/parse.h"
-
-struct definition {
-    char *text;
-    struct format *parsed; /* a reference; NULL until first use */
-    bool parsing;          /* met again meanwhile, it is defined in terms of itself */
-};
+#include "format/type.h"
 
 struct format_names {
     struct table definitions; /* name -> struct definition */
@@ -93,62 +85,12 @@ void format_names_each(const struct format_names *names,
         visit(context, entry->name, ((const struct definition *)entry->value)->text);
 }
 
-/* Parses a definition at its first use. */
-static int parse_definition(const struct format_names *names, const char *name,
-                            struct definition *definition, const struct names_question *question,
-                            struct format_diagnosis *diagnosis)
+struct definition *names_find(const struct format_names *names, const char *name)
 {
-    if (definition->parsing) {
-        diagnose_name(diagnosis, name, "is defined in terms of itself", question->string,
-                      question->position);
-        return ERR_FORMAT;
-    }
-    struct type *type = NULL;
-    definition->parsing = true;
-    int error = parse_type(definition->text, names, question->levels, &type, diagnosis);
-    definition->parsing = false;
-    if (error == 0)
-        definition->parsed = format_new(type);
-    return error;
+    return names == NULL ? NULL : table_find(&names->definitions, name);
 }
 
-/* Asks whoever was named to be asked; the answer is used once. */
-static int ask(const struct format_names *names, const char *name, struct names_question *question,
-               struct format_diagnosis *diagnosis)
+struct format *names_ask(const struct format_names *names, const char *name)
 {
-    struct format *answer = NULL;
-    if (names != NULL && names->ask != NULL)
-        answer = names->ask(names->asked, name);
-    if (answer != NULL && !format_is_bad(answer)) {
-        question->lent = answer;
-        return 0;
-    }
-    if (answer == NULL)
-        diagnose_name(diagnosis, name, "is not registered", question->string, question->position);
-    else
-        diagnose_silently(diagnosis, question->position); /* whoever answered has said it */
-    return ERR_UNKNOWN;
-}
-
-int names_resolve(const struct format_names *names, const char *name,
-                  struct names_question *question, const struct format **format,
-                  struct format_diagnosis *diagnosis)
-{
-    struct definition *definition = names == NULL ? NULL : table_find(&names->definitions, name);
-    int error = 0;
-    question->lent = NULL;
-    if (definition == NULL)
-        error = ask(names, name, question, diagnosis);
-    else if (definition->parsed == NULL)
-        error = parse_definition(names, name, definition, question, diagnosis);
-    if (error == 0 && definition != NULL)
-        question->lent = format_ref(definition->parsed);
-    *format = question->lent;
-    return error;
-}
-
-void names_resolved(struct names_question *question)
-{
-    format_unref(question->lent);
-    question->lent = NULL;
+    return names == NULL || names->ask == NULL ? NULL : names->ask(names->asked, name);
 }

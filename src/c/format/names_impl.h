@@ -1,26 +1,21 @@
 /*
- * Named formats as the parser asks for them.
+ * Named formats as the parser sees them.
  */
 #ifndef IPC_FORMAT_NAMES_IMPL_H
 #define IPC_FORMAT_NAMES_IMPL_H
 
 #include "format/names.h"
 
-/* Where a name was met. */
-struct names_question {
-    uint32_t levels;    /* around the name */
-    const char *string; /* that it stands in */
-    size_t position;
-    struct format *lent; /* set by the answer */
+struct definition {
+    char *text;
+    struct format *parsed; /* a reference; NULL until the parser has met the name */
+    bool parsing;          /* met again meanwhile, it is defined in terms of itself */
 };
 
-/*
- * The format of a name, which names_resolved gives back: 0, or ERR_UNKNOWN or
- * ERR_FORMAT with a diagnosis.  names may be NULL and then knows nothing.
- */
-int names_resolve(const struct format_names *names, const char *name,
-                  struct names_question *question, const struct format **format,
-                  struct format_diagnosis *diagnosis);
-void names_resolved(struct names_question *question);
+/* The definition of a name, NULL if the table does not hold it; names may be NULL. */
+struct definition *names_find(const struct format_names *names, const char *name);
+
+/* What whoever is asked for unknown names answers: a reference for the caller, or NULL. */
+struct format *names_ask(const struct format_names *names, const char *name);
 
 #endif

@@ -4,8 +4,6 @@
  * It stops at the first error.  What comes after a whole format is ignored with
  * a warning, as programs rely on.
  */
-#include "format/parse.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +15,7 @@
 #include "format/handle.h"
 #include "format/names_impl.h"
 #include "format/token.h"
+#include "format/type.h"
 
 struct parser {
     const char *text;
@@ -98,6 +97,8 @@ static bool count_part(struct parser *p)
     return true;
 }
 
+static int parse_type(const char *text, const struct format_names *names, uint32_t levels,
+                      struct type **type, struct format_diagnosis *diagnosis);
 static struct type *parse_format(struct parser *p);
 static struct type *parse_member(struct parser *p);
 
@@ -332,14 +333,53 @@ static struct type *parse_structure(struct parser *p)
                    type);
 }
 
+/* Parses a definition at its first use. */
+static void parse_definition(struct parser *p, const char *name, struct definition *definition)
+{
+    struct type *type = NULL;
+    if (definition->parsing) {
+        diagnose_name(p->diagnosis, name, "is defined in terms of itself", p->text,
+                      p->token.position);
+        p->error = ERR_FORMAT;
+        return;
+    }
+    definition->parsing = true;
+    p->error = parse_type(definition->text, p->names, p->levels, &type, p->diagnosis);
+    definition->parsing = false;
+    if (p->error == 0)
+        definition->parsed = format_new(type);
+}
+
+/* The format of a name that the table does not hold; the answer is used once. */
+static struct format *ask(struct parser *p, const char *name)
+{
+    struct format *answer = names_ask(p->names, name);
+    if (answer != NULL && !format_is_bad(answer))
+        return answer;
+    if (answer == NULL)
+        diagnose_name(p->diagnosis, name, "is not registered", p->text, p->token.position);
+    else
+        diagnose_silently(p->diagnosis, p->token.position); /* whoever answered has said it */
+    p->error = ERR_UNKNOWN;
+    return NULL;
+}
+
+/* A reference to the format of a name, NULL with an error and a diagnosis if there is none. */
+static struct format *resolve(struct parser *p, const char *name)
+{
+    struct definition *definition = names_find(p->names, name);
+    if (definition == NULL)
+        return ask(p, name);
+    if (definition->parsed == NULL)
+        parse_definition(p, name, definition);
+    return p->error == 0 ? format_ref(definition->parsed) : NULL;
+}
+
 /* The expansion of a name that is neither a primitive nor the alias. */
 static struct type *expand_name(struct parser *p, const char *name)
 {
-    struct names_question question = {
-        .levels = p->levels, .string = p->text, .position = p->token.position};
-    const struct format *found = NULL;
-    p->error = names_resolve(p->names, name, &question, &found, p->diagnosis);
-    if (p->error != 0)
+    struct format *found = resolve(p, name);
+    if (found == NULL)
         return NULL;
     uint32_t parts = found->type->parts;
     struct type *type = NULL;
@@ -350,7 +390,7 @@ static struct type *expand_name(struct parser *p, const char *name)
     else
         type = type_copy(found->type);
     p->parts += type == NULL ? 0 : parts;
-    names_resolved(&question);
+    format_unref(found);
     return type;
 }
 
@@ -442,8 +482,13 @@ static struct type *parse_member(struct parser *p)
     return parse_any(p, true);
 }
 
-int parse_type(const char *text, const struct format_names *names, uint32_t levels,
-               struct type **type, struct format_diagnosis *diagnosis)
+/*
+ * Parses text, which stands levels deep in what is being parsed, into a type
+ * that the caller frees: 0, or ERR_FORMAT or ERR_UNKNOWN with a diagnosis
+ * (which may be NULL).
+ */
+static int parse_type(const char *text, const struct format_names *names, uint32_t levels,
+                      struct type **type, struct format_diagnosis *diagnosis)
 {
     struct parser parser = {.text = text, .names = names, .diagnosis = diagnosis, .levels = levels};
     parser.token = token_read(text, 0);
@@ -465,28 +510,4 @@ int format_parse(const char *text, const struct format_names *names, struct form
     if (error == 0)
         *format = format_new(type);
     return error;
-}
-
-char *format_portable_text(const char *text, const struct format_names *names)
-{
-    char *portable = mem_copy_string(text);
-    const bool own_uchar = names != NULL && format_names_holds(names, "uchar");
-    bool in_names = false; /* of an enumeration, where uchar stands for nothing */
-    struct token before = {.kind = TOKEN_END};
-    struct token token = token_read(text, 0);
-    while (token.kind != TOKEN_END) {
-        if (token_is_mark(&token, '}'))
-            in_names = false;
-        else if (token_is_name(&token, text, "enum") && token_is_mark(&before, '{'))
-            in_names = true;
-        else if (!in_names && !own_uchar && token_is_name(&token, text, "uchar"))
-            memcpy(portable + token.position, "ubyte", 5);
-        else if (token_is_mark(&token, '*') && token_is_mark(&before, '!')) {
-            portable[before.position] = '*';
-            portable[token.position] = '!';
-        }
-        before = token;
-        token = token_read(text, token.position + token.length);
-    }
-    return portable;
 }
