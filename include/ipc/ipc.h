@@ -669,7 +669,7 @@ extern IPC_RETURN_TYPE IPC_printData(FORMATTER_PTR formatter, FILE *stream, void
  * the caller frees with IPC_freeData().  Not in the manual.
  *   dataHandle  gets the value, NULL on error
  * Errors: IPC_Not_Initialized, IPC_Illegal_Formatter, IPC_Null_Argument,
- * IPC_Argument_Out_Of_Range (the text is no such value).
+ * IPC_Mismatched_Formatter (the text is no such value).
  */
 extern IPC_RETURN_TYPE IPC_readData(FORMATTER_PTR formatter, FILE *stream, void **dataHandle);
 
