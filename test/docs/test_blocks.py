@@ -6,6 +6,7 @@ What is tested is said behind the language in the line that begins a block:
     c fragment    statements, compiled inside a function
     c run         a program, compiled, and run beside a central; it ends with status 0
     c save=NAME   written to a file of that name, for the blocks of shell below
+    python run    a program, run like one in C
     sh            a script that is only parsed
     sh run        a script that is run, and must succeed
     text output   what the block that ran before prints, a program also on standard error
@@ -27,7 +28,8 @@ BLOCKS = [block for document in documents() for block in blocks_of(document)]
 PREAMBLE = "".join(f"#include <{header}>\n" for header in (
     "errno.h", "poll.h", "pthread.h", "stdio.h", "stdlib.h", "string.h", "unistd.h",
     "ipc/ipc.h", "ipc/ipcx.h"))
-USES = {"c": ("", "fragment", "run"), "sh": ("", "run"), "text": ("", "output")}
+USES = {"c": ("", "fragment", "run"), "python": ("", "run"), "sh": ("", "run"),
+        "text": ("", "output")}
 
 
 def of_kind(language, *uses):
@@ -68,6 +70,12 @@ def test_c_runs(block, shell, tmp_path):
     (tmp_path / "program.c").write_text(block.text, encoding="utf-8")
     shell("cc -Wall -Wextra program.c -o program -pthread $(pkg-config --cflags --libs ipc)")
     check_output(shell("./program 2>&1"), block)
+
+
+@pytest.mark.parametrize("block", of_kind("python", "run"), ids=str)
+def test_python_runs(block, shell, tmp_path):
+    (tmp_path / "program.py").write_text(block.text, encoding="utf-8")
+    check_output(shell("python3 program.py"), block)
 
 
 @pytest.mark.parametrize("block", of_kind("sh", ""), ids=str)
