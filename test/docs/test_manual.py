@@ -9,7 +9,7 @@ import re
 
 import pytest
 
-from docs.markdown import MANUAL, entries, text_of
+from docs.markdown import DOCS, MANUAL, entries, text_of
 from install.tools import ROOT
 
 ENTRIES = entries()
@@ -30,7 +30,8 @@ class Declaration:
 
     def parameters(self):
         inside = self.text[self.text.index("(") + 1:self.text.rindex(")")]
-        return [] if inside == "void" else [re.search(r"(\w+)$", one)[1]
+        inside = re.sub(r"\(\*(\w+)\)\([^()]*\)", r"\1", inside)  # pointers to functions
+        return [] if inside == "void" else [one.split()[-1].lstrip("*")
                                             for one in inside.split(",")]
 
 
@@ -125,10 +126,17 @@ def test_constants_and_types_are_named(kind, pattern):
     names = set(re.findall(pattern, header("ipc.h") + header("ipcx.h"), re.MULTILINE))
     assert len(names) >= 6, f"the {kind} of the headers are found"
     text = "".join(text_of(f"docs/manual/{name}") for name in os.listdir(MANUAL))
-    assert not {name for name in names if not re.search(rf"\b{name}\b", text)}
+    unnamed = sorted(name for name in names if not re.search(rf"\b{name}\b", text))
+    assert not unnamed, f"no file of docs/manual says what {unnamed} are"
 
 
 def test_all_files_of_the_manual_are_in_its_table():
     table = text_of("docs/manual/README.md")
     names = set(os.listdir(MANUAL)) - {"README.md"}
     assert not {name for name in names if f"]({name})" not in table}
+
+
+def test_all_documents_are_in_the_index():
+    index = text_of("docs/README.md")
+    names = {name for name in os.listdir(DOCS) if name.endswith(".md")} - {"README.md"}
+    assert not {name for name in names if f"]({name})" not in index}
