@@ -21,6 +21,12 @@ endif()
 if(TARGET xdrgen)
     install(TARGETS xdrgen EXPORT ipcTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
     install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/xdrgen.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/completions/xdrgen.bash
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/completions/_xdrgen
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/completions/xdrgen.fish
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
     install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/ipcXdrgen.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ipc)
 endif()
