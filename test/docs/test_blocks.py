@@ -40,11 +40,14 @@ def documents_with_scripts():
     return sorted({block.document for block in of_kind("sh", "run")})
 
 
+def is_output(block):
+    return (block.language, block.use) == ("text", "output")
+
+
 def expected_output(block):
-    """The block of output that belongs to one, or None."""
+    """What the text says that a block prints, or None."""
     following = BLOCKS[BLOCKS.index(block) + 1:][:1]
-    if following and following[0].document == block.document and \
-            (following[0].language, following[0].use) == ("text", "output"):
+    if following and following[0].document == block.document and is_output(following[0]):
         return following[0].text
     return None
 
@@ -52,6 +55,12 @@ def expected_output(block):
 @pytest.mark.parametrize("block", BLOCKS, ids=str)
 def test_the_word_behind_the_language_is_one_of_those_above(block):
     assert block.use.startswith("save=") or block.use in USES.get(block.language, ("",))
+
+
+@pytest.mark.parametrize("block", filter(is_output, BLOCKS), ids=str)
+def test_output_stands_behind_what_prints_it(block):
+    before = BLOCKS[BLOCKS.index(block) - 1]
+    assert (before.document, before.use) == (block.document, "run")
 
 
 @pytest.mark.parametrize("block", of_kind("c", "", "fragment"), ids=str)
@@ -68,7 +77,7 @@ def test_c_compiles(block, build, tmp_path):
 @pytest.mark.parametrize("block", of_kind("c", "run"), ids=str)
 def test_c_runs(block, shell, tmp_path):
     (tmp_path / "program.c").write_text(block.text, encoding="utf-8")
-    shell("cc -Wall -Wextra program.c -o program -pthread $(pkg-config --cflags --libs ipc)")
+    shell("cc -Wall -Wextra -Werror program.c -o program -pthread $(pkg-config --cflags --libs ipc)")
     check_output(shell("./program 2>&1"), block)
 
 
@@ -86,11 +95,11 @@ def test_shell_is_shell(block, tmp_path):
 
 @pytest.mark.parametrize("document", documents_with_scripts())
 def test_shell_runs(document, shell, tmp_path):
-    for block in blocks_of(document):
+    for block in (block for block in BLOCKS if block.document == document):
         if block.use.startswith("save="):
             (tmp_path / block.use.removeprefix("save=")).write_text(block.text, encoding="utf-8")
         elif (block.language, block.use) == ("sh", "run"):
-            check_output(shell(block.text), next(b for b in BLOCKS if str(b) == str(block)))
+            check_output(shell(block.text), block)
 
 
 def check_output(output, block):
@@ -111,7 +120,6 @@ def shell(build, installation, central, tmp_path):
     compiler.chmod(0o755)
     tool("pkg-config")
     environment = {**installation.env, "CENTRALHOST": central.address,
-                   "CMAKE_PREFIX_PATH": installation.prefix,
                    "PATH": f"{commands}:{installation.prefix}/bin:{os.environ['PATH']}"}
 
     def run_script(text):

@@ -29,6 +29,17 @@ def test_links_to_files_lead_to_files(document):
     assert not missing
 
 
+@pytest.mark.parametrize("document", sorted(documents()))
+def test_links_into_documents_lead_to_headings(document):
+    missing = []
+    for target, heading in re.findall(r"\]\(([\w./-]*)#([\w-]+)\)", text_of(document)):
+        path = os.path.join(os.path.dirname(document), target) if target else document
+        headings = re.findall(r"^#+ (.*)$", text_of(path), re.MULTILINE)
+        if heading not in {re.sub(r"[^\w -]", "", one.lower()).replace(" ", "-") for one in headings}:
+            missing.append(f"{target}#{heading}")
+    assert not missing
+
+
 def test_files_that_the_map_of_the_code_names_exist():
     names = re.findall(r"`([\w./]+\.[ch])`", text_of("docs/architecture.md"))
     assert names
