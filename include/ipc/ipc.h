@@ -549,7 +549,7 @@ extern FORMATTER_PTR IPC_parseFormat(const char *formatString);
  * Gives a format a name, which formats of all modules may then use; a later
  * definition wins. [6.2]
  * Errors: IPC_Null_Argument, IPC_Not_Connected (nor initialised),
- * IPC_Communication_Error.
+ * IPC_Illegal_Formatter (the name of a primitive type), IPC_Communication_Error.
  */
 extern IPC_RETURN_TYPE IPC_defineFormat(const char *formatName, const char *formatString);
 
