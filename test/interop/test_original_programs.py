@@ -104,8 +104,8 @@ def converse(start_program, original_tests, await_line):
         module1 = start_program(os.path.join(original_tests, "module1.c"), library1, central)
         module1.wait_for_line("^Type 'm' to send")
         if library1.original:
-            # It does not see what comes before it has begun to listen, and nothing that can be
-            # seen from outside tells that it has: it acknowledges inside calls that ask central, too.
+            # It does not see what comes before it has begun to listen, and nothing that can be seen
+            # from outside tells that it has: it acknowledges inside calls that ask central, too.
             time.sleep(0.2 * SLOW)
         module2 = start_program(os.path.join(original_tests, "module2.c"), library2, central)
         module2.wait_for_line("^Type 'q' to quit")

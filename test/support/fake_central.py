@@ -1,8 +1,9 @@
-"""A hand-made central: records what a library sends and answers as told.
+"""Hand-made programs that modules talk to: a central, and whatever else is a server.
 
-It has message ids of its own, always puts the message name into the class data of deliveries (or
-follows the scheme of the original, on request), routes nothing by itself, and can be slow, send
-in pieces, or be wrong in any way.
+The central records what a library sends and answers as told.  It has message ids of its own,
+always puts the message name into the class data of deliveries (or follows the scheme of the
+original, on request), routes nothing by itself, and can be slow, send in pieces, or be wrong in
+any way.
 """
 import itertools
 import os
@@ -175,23 +176,16 @@ class Connection(threading.Thread):
         self.socket.close()
 
 
-class FakeCentral:
-    """Listens on a port that the kernel chose."""
+class Server:
+    """Listens on a port that the kernel chose.
 
-    def __init__(self, *, first_id=1000, version=(3, 10), direct=False, original_scheme=False,
-                 unix=False, tcp=True, broadcasts=(), piece=None, port=0):
-        self.version, self.direct, self.original_scheme = version, direct, original_scheme
+    What a subclass makes of its connections is in greet(), understand() and react().
+    """
+
+    def __init__(self, *, unix=False, tcp=True, port=0, piece=None):
         self.piece = piece
-        self.broadcasts = [messages.WATCH_BROADCASTS, *broadcasts]
-        self.definitions = {}
-        self.formats = {}
-        self.answers = {}
         self.connections = []
-        self._dispatches = itertools.count(0)
-        self._ids = itertools.count(first_id, 7)
-        self.ids, self.names = {}, {}
         self._lock = threading.RLock()
-        self.look_up_id = self.id_of("x_ipc_msgInfoMsg")
         self._listeners = []
         self.port = self._listen_tcp(port, tcp)
         self.unix_path = f"/tmp/x_ipc/{self.port}"
@@ -199,7 +193,15 @@ class FakeCentral:
             self._listen_unix()
         self.address = f"localhost:{self.port}"
 
-    # --------------------------------------------------------------- sockets
+    def greet(self, connection):
+        """Sends what comes before everything else."""
+
+    def understand(self, _connection, frame):
+        """Finds out what a received frame means."""
+        return Received(frame, None, None)
+
+    def react(self, connection, received):
+        """Answers a received frame."""
 
     def _listen_tcp(self, port, serve):
         listener = socket.socket()
@@ -265,10 +267,28 @@ class FakeCentral:
         wait_until(lambda: len(self.connections) > number, "a module connects", seconds)
         return self.connections[number]
 
+
+class FakeCentral(Server):
+    """A central that behaves, unless it is told otherwise."""
+
+    def __init__(self, *, first_id=1000, version=(3, 10), direct=False, original_scheme=False,
+                 broadcasts=(), **sockets):
+        self.version, self.direct, self.original_scheme = version, direct, original_scheme
+        self.broadcasts = [messages.WATCH_BROADCASTS, *broadcasts]
+        self.definitions = {}
+        self.formats = {}
+        self.answers = {}
+        self._dispatches = itertools.count(0)
+        self._ids = itertools.count(first_id, 7)
+        self.ids, self.names = {}, {}
+        self._naming = threading.RLock()
+        self.look_up_id = self.id_of("x_ipc_msgInfoMsg")
+        super().__init__(**sockets)
+
     # ---------------------------------------------------------------- naming
 
     def id_of(self, name):
-        with self._lock:
+        with self._naming:
             key = name.lower()
             if key not in self.ids:
                 self.ids[key] = next(self._ids)
