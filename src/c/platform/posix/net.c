@@ -396,10 +396,12 @@ void net_close_copy(int fd)
 
 void net_host_name(char *name, size_t size)
 {
-    if (gethostname(name, size) != 0) {
-        snprintf(name, size, "localhost");
+    char whole[NET_NAME_SIZE]; /* a name that has no room is an error to some systems */
+    if (gethostname(whole, sizeof whole) != 0) {
+        snprintf(whole, sizeof whole, "localhost");
     }
-    name[size - 1] = '\0'; /* a cut name need not be terminated */
+    whole[sizeof whole - 1] = '\0';
+    snprintf(name, size, "%s", whole);
 }
 
 void net_peer_address(int fd, char *name, size_t size)
