@@ -177,18 +177,20 @@ class Connection(threading.Thread):
 
 
 class Server:
-    """Listens on a port that the kernel chose.
+    """Listens on a port that the kernel chose, on one of the loopback addresses.
 
     What a subclass makes of its connections is in greet(), understand() and react().
     """
 
-    def __init__(self, *, unix=False, tcp=True, port=0, piece=None):
+    def __init__(self, *, unix=False, tcp=True, host="127.0.0.1", port=0, piece=None):
         self.piece = piece
         self.connections = []
         self._lock = threading.RLock()
         self._listeners = []
-        self.port = self._listen_tcp(port, tcp)
+        self.port = self._listen_tcp(host, port, tcp)
         self.unix_path = f"/tmp/x_ipc/{self.port}"
+        if os.path.exists(self.unix_path):
+            os.unlink(self.unix_path)  # left behind by somebody: the port is ours
         if unix:
             self._listen_unix()
         self.address = f"localhost:{self.port}"
@@ -203,10 +205,10 @@ class Server:
     def react(self, connection, received):
         """Answers a received frame."""
 
-    def _listen_tcp(self, port, serve):
-        listener = socket.socket()
+    def _listen_tcp(self, host, port, serve):
+        listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind(("127.0.0.1", port))
+        listener.bind((host, port))
         if serve:
             listener.listen(64)
             self._serve(listener, "tcp")
@@ -216,8 +218,6 @@ class Server:
 
     def _listen_unix(self):
         os.makedirs(os.path.dirname(self.unix_path), mode=0o777, exist_ok=True)
-        if os.path.exists(self.unix_path):
-            os.unlink(self.unix_path)  # left behind by somebody: the port is ours
         listener = socket.socket(socket.AF_UNIX)
         listener.bind(self.unix_path)
         os.chmod(self.unix_path, 0o777)

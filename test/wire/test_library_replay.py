@@ -236,7 +236,7 @@ def test_a_watcher_of_connections_and_handlers_is_told_as_recorded(start_driver,
     central.expect_no_more()
 
 
-def test_a_module_that_dies_in_a_handler_has_acknowledged_nothing(start_driver, recorded_central):
+def test_a_message_in_whose_handler_a_module_dies_is_not_acknowledged(start_driver, recorded_central):
     """Section 9.2, capture 09: the recording ends with the delivery."""
     central = recorded_central("09-abrupt-death.txt", "V")
     driver = start_driver("VICTIM")
