@@ -35,6 +35,7 @@ UNCOMPARED = {LOOK_UP, "x_ipc_classInfoMsg", "x_ipc_waitMsg", "x_ipc_directMsgQu
               "x_ipc_getNamedFormMsg",
               *("V_get_" + variable for variable in messages.VARIABLES)}
 OWN_ORDER = "<"
+OWN_HOST = socket.gethostname()[:32]  # as much of the name as decides on the transport
 DIRECT_PORTS = range(8000, 9001)
 
 
@@ -55,7 +56,7 @@ class OtherModule(Server):
         unix = recorded.transport == "unix"
         super().__init__(unix=unix, tcp=not unix)
         # The library takes the Unix socket of a port where the host is its own.
-        self.host = socket.gethostname() if unix else "localhost"
+        self.host = OWN_HOST if unix else "localhost"
 
     def connect_to(self, port):
         """Connects to the module under test as the recorded module did."""
@@ -77,6 +78,7 @@ class RecordedCentral(FakeCentral):
     def __init__(self, capture, tag, *, foreign=False):
         self.tag, self.foreign = tag, foreign
         own = capture.connections[tag]
+        self.module = own.module
         self.others = {other.tag: OtherModule(other) for other in capture.connections.values()
                        if other.direct and tag in (other.accepted_by, self._maker(capture, other))}
         self.lines = [line for line in capture.lines if line.tag in (tag, *self.others)]
@@ -94,7 +96,7 @@ class RecordedCentral(FakeCentral):
         unix = own.transport == "unix"
         super().__init__(first_id=100_000, direct=bool(self.others), unix=unix, tcp=not unix)
         if unix:
-            self.address = f"{socket.gethostname()}:{self.port}"
+            self.address = f"{OWN_HOST}:{self.port}"
         for number, name in self.recorded_names.items():
             self.ids[name.lower()], self.names[number] = number, name
         self.look_up_id = self.ids[LOOK_UP.lower()]

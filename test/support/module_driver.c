@@ -972,7 +972,7 @@ static void command_serve(char **words, int count)
 
 int main(void)
 {
-    setvbuf(stdout, NULL, _IOLBF, BUFSIZ); /* so that what a library says in a call is seen at once */
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ); /* what a library says in a call is seen at once */
     IPC_initialize();
     while (execute_input()) {
     }

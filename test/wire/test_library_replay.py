@@ -129,7 +129,6 @@ SEEN = {
     ("11-delayed-response.txt", "C"): [("tag", "A", "99")],
 }
 
-
 # Connections with a test of their own, below.
 OTHERS = {("08-connect-handler-change.txt", "W"), ("09-abrupt-death.txt", "V"),
           ("15-two-centrals.txt", "B"), ("15-two-centrals.txt", "B1"), ("16-long-32-64.txt", "S")}
@@ -142,10 +141,6 @@ def recorded_central(stack):
         return stack.enter_context(RecordedCentral(captures.Capture(name), tag,
                                                    foreign=(name, tag) in FOREIGN))
     return start
-
-
-def module_of(name, tag):
-    return captures.Capture(name).connections[tag].module
 
 
 def begin(driver, commands):
@@ -176,11 +171,11 @@ def test_no_recorded_connection_is_left_out():
 def test_a_module_sends_what_the_original_sent(name, tag, start_driver, recorded_central, library):
     """Requirements 7, 9, 19, 26, 29, 31, 32, 39, 40: every frame but look-ups and handshake, byte
     for byte."""
-    central, module = recorded_central(name, tag), module_of(name, tag)
-    driver = start_driver(module)
+    central = recorded_central(name, tag)
+    driver = start_driver(central.module)
     driver.must("verbosity", 1)
     connect = "connect_no_listen" if name.startswith("14") else "connect"
-    commands = [(connect, module, central.address), *SCRIPTS[name, tag]]
+    commands = [(connect, central.module, central.address), *SCRIPTS[name, tag]]
     begin(driver, commands)
     compared = central.replay(leave=lambda: driver.start("disconnect"))
     commands.append(("disconnect",))
@@ -236,7 +231,7 @@ def test_a_watcher_of_connections_and_handlers_is_told_as_recorded(start_driver,
     central.expect_no_more()
 
 
-def test_a_message_in_whose_handler_a_module_dies_is_not_acknowledged(start_driver, recorded_central):
+def test_a_message_that_kills_its_receiver_is_not_acknowledged(start_driver, recorded_central):
     """Section 9.2, capture 09: the recording ends with the delivery."""
     central = recorded_central("09-abrupt-death.txt", "V")
     driver = start_driver("VICTIM")
