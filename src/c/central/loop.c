@@ -3,7 +3,6 @@
  */
 #include "central/loop.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -14,14 +13,11 @@
 #include "platform/process.h"
 
 enum {
-    N_EVENTS = 128,       /* taken from the poller at a time */
-    ACCEPTED_A_TURN = 64, /* connections */
-    LAST_WORDS_PAUSE_MS = 10,
-    LOCAL_MODE = 0777 /* everybody may connect, as to the TCP port */
+    N_EVENTS = 128, /* taken from the poller at a time */
+    LAST_WORDS_PAUSE_MS = 10
 };
 
 #define MS_NS UINT64_C(1000000)
-#define ACCEPT_PAUSE_NS (1000 * MS_NS)
 #define LAST_WORDS_NS (1000 * MS_NS)
 
 static void write_news(struct server *server, void *context);
@@ -32,11 +28,10 @@ int loop_init(struct loop *loop, struct server *server)
 {
     memset(loop, 0, sizeof *loop);
     loop->server = server;
-    loop->tcp = -1;
-    loop->local.fd = -1;
     loop->waker.read_fd = loop->waker.write_fd = -1;
     loop->poller = poller_new();
     console_init(&loop->console, server);
+    listeners_init(&loop->listeners, server, &loop->waker);
     if (loop->poller == NULL || waker_open(&loop->waker) != 0) {
         return ERR_IO;
     }
@@ -51,95 +46,12 @@ int loop_init(struct loop *loop, struct server *server)
 
 void loop_fini(struct loop *loop)
 {
-    if (loop->tcp >= 0) {
-        net_close(loop->tcp);
-    }
-    net_close_local(&loop->local);
+    listeners_fini(&loop->listeners);
     console_fini(&loop->console);
     loop->server->poller = NULL;
     loop->server->write_news = NULL;
     poller_free(loop->poller);
     waker_close(&loop->waker);
-}
-
-/* ------------------------------------------------------------------- listening */
-
-static void watch_listeners(struct loop *loop)
-{
-    loop->accepting = poller_add(loop->poller, loop->tcp, READY_READ, &loop->tcp) == 0;
-    if (loop->local.fd >= 0 &&
-        poller_add(loop->poller, loop->local.fd, READY_READ, &loop->local) != 0) {
-        net_close_local(&loop->local); /* modules then use TCP */
-    }
-}
-
-static void listen_locally(struct loop *loop)
-{
-    char path[NET_PATH_SIZE];
-    (void)snprintf(path, sizeof path, "%s/%d", NET_SOCKET_DIRECTORY, loop->server->options->port);
-    const int error = net_listen_local(path, LOCAL_MODE, &loop->local);
-    if (error != 0 && !loop->server->options->silent) {
-        (void)fprintf(stderr, "Warning: no socket %s (%s), modules use TCP\n", path,
-                      error == ERR_IO ? strerror(errno) : error_text(error));
-    }
-}
-
-int loop_listen(struct loop *loop)
-{
-    const int error = net_listen_tcp(NULL, &loop->server->options->port, &loop->tcp);
-    if (error != 0) {
-        loop->tcp = -1;
-        return ERR_IO;
-    }
-    listen_locally(loop);
-    watch_listeners(loop);
-    return loop->accepting ? 0 : ERR_IO;
-}
-
-/* Leaves newcomers in the kernel's queue for a while. */
-static void pause_accepting(struct loop *loop)
-{
-    poller_remove(loop->poller, loop->tcp);
-    if (loop->local.fd >= 0) {
-        poller_remove(loop->poller, loop->local.fd);
-    }
-    loop->accepting = false;
-    if (loop->accept_again_ns == 0) {
-        log_always(&loop->server->log, "WARNING: no descriptors left, new modules have to wait\n");
-    }
-    loop->accept_again_ns = loop->server->now_ns + ACCEPT_PAUSE_NS;
-}
-
-static void resume_accepting(struct loop *loop)
-{
-    if (!loop->accepting && loop->server->now_ns >= loop->accept_again_ns) {
-        watch_listeners(loop);
-    }
-}
-
-static void take_connection(struct loop *loop, int fd)
-{
-    struct module *module = server_add_connection(loop->server, fd);
-    module->polled = READY_READ;
-    if (poller_add(loop->poller, fd, module->polled, module) != 0) {
-        ending_for_violation(loop->server, module, "its socket cannot be watched");
-    }
-}
-
-static void accept_all(struct loop *loop, int listener)
-{
-    for (int i = 0; i < ACCEPTED_A_TURN && loop->accepting; i++) {
-        int fd;
-        const int result = net_accept(listener, &fd);
-        if (result == 0) {
-            take_connection(loop, fd);
-            loop->accept_again_ns = 0;
-        } else if (result == ERR_LIMIT) {
-            pause_accepting(loop);
-        } else {
-            return;
-        }
-    }
 }
 
 /* -------------------------------------------------------------------- commands */
@@ -278,15 +190,12 @@ static void flush_logs(struct loop *loop)
 
 static void handle_event(struct loop *loop, const struct poller_event *event)
 {
-    if (event->owner == &loop->tcp) {
-        accept_all(loop, loop->tcp);
-    } else if (event->owner == &loop->local) {
-        accept_all(loop, loop->local.fd);
-    } else if (event->owner == &loop->waker) {
+    if (event->owner == &loop->waker) {
         take_signals(loop);
     } else if (event->owner == &loop->console) {
         read_commands(loop);
-    } else if (event->owner != &loop->watches_output) { /* logs are flushed in every turn */
+    } else if (event->owner != &loop->watches_output && /* logs are flushed in every turn */
+               !listeners_take_event(&loop->listeners, event->owner)) {
         struct module *module = event->owner;
         if (event->found & READY_WRITE) {
             flush_module(loop, module);
@@ -312,9 +221,7 @@ static int64_t time_to_wait(const struct loop *loop, uint64_t patience_ends_ns)
     if (conversation_is_pending(server) || loop->input_is_unwatched) {
         return 0;
     }
-    if (!loop->accepting) {
-        until = earlier(until, loop->accept_again_ns);
-    }
+    until = earlier(until, listeners_deadline_ns(&loop->listeners));
     if (sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) {
         until = earlier(until, server->now_ns + 100 * MS_NS);
     }
@@ -352,9 +259,9 @@ static void turn(struct loop *loop)
     }
     if (!list_is_empty(&server->ended)) {
         ending_sweep(server);
-        loop->accept_again_ns = loop->accepting ? loop->accept_again_ns : server->now_ns;
+        listeners_have_room(&loop->listeners);
     }
-    resume_accepting(loop);
+    listeners_turn(&loop->listeners);
 }
 
 /* Writes what modules and logs take; returns how many bytes are left. */

@@ -5,6 +5,7 @@
  *
  *     main                options, start, end, exit status
  *       loop              sockets, streams, signals; one turn after another
+ *         listeners       newcomers                              access
  *         console         typed commands                        options, statistics
  *         conversation    bytes to frames, a turn of each connection
  *           route         who gets a message                    tap
@@ -21,7 +22,7 @@
  *     message, handler, module, resource, dispatch              what there is
  *       namesakes, pool                                         how it is found and kept
  *
- * struct server holds all state; only loop and main touch the system.
+ * struct server holds all state; only loop, listeners, access and main touch the system.
  */
 #include <errno.h>
 #include <stdio.h>
@@ -78,8 +79,9 @@ static int start(struct server *server, struct loop *loop)
     if (open_log(server) != 0) {
         return ERR_IO;
     }
-    if (loop_listen(loop) != 0) {
-        const char *reason = strerror(errno);
+    const int error = listeners_open(&loop->listeners);
+    if (error != 0) {
+        const char *reason = error == ERR_IO ? strerror(errno) : error_text(error);
         (void)fprintf(stderr, "Error: unable to bind TCP/IP socket for listening (%s)\n", reason);
         complain(server, "ERROR: Unable to start server, Is one already running?\n\n");
         return ERR_IO;

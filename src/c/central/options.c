@@ -330,6 +330,12 @@ void options_fini(struct options *options)
         free(LIST_OWNER(at, struct ignored_name, in_options));
     }
     free(options->file_name);
+    free(options->address);
+    free(options->allow_file);
+    free(options->deny_file);
+    free(options->pid_file);
+    free(options->port_file);
+    free(options->metrics);
 }
 
 static bool is_digit(char c)

@@ -10,6 +10,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "base/buffer.h"
 #include "base/list.h"
@@ -35,6 +36,9 @@ struct ignored_name {
     char name[];
 };
 
+/* Whose programs may connect: any but the first leave only the Unix socket, which tells users. */
+enum allowed_users { USERS_ALL, USERS_OWNER, USERS_GROUP };
+
 struct options {
     int port;     /* 0: any free one */
     int expected; /* modules that have to ask before the first one is let go */
@@ -47,6 +51,19 @@ struct options {
     char *file_name;     /* owned; NULL: generated */
     struct list ignored; /* of struct ignored_name, in the order given */
     struct central_limits limits;
+
+    /* Who may connect, and how; all texts are owned. */
+    char *address;   /* of the TCP socket; NULL: all */
+    bool local_only; /* there is no TCP socket */
+    enum allowed_users users;
+    int64_t group;    /* with USERS_GROUP */
+    char *allow_file; /* instead of the system's hosts.allow; NULL: that */
+    char *deny_file;
+
+    /* What scripts and operators see; NULL: none. */
+    char *pid_file;
+    char *port_file;
+    char *metrics; /* address that numbers are shown at */
 };
 
 void options_init(struct options *options);

@@ -164,6 +164,7 @@ struct module *server_add_connection(struct server *server, int fd)
     list_append(&server->greeted, &module->in_state);
     server->n_greeted++;
     statistics->n_modules++;
+    statistics->n_accepted++;
     if (statistics->n_modules > statistics->peak_modules) {
         statistics->peak_modules = statistics->n_modules;
     }

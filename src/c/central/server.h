@@ -25,6 +25,9 @@ struct statistics {
     uint64_t n_dropped;  /* deliveries given up because a queue was full */
     uint64_t n_modules;  /* connections now */
     uint64_t peak_modules;
+    uint64_t n_accepted; /* connections ever */
+    uint64_t n_refused;  /* newcomers by access control */
+    uint64_t n_without_descriptor; /* newcomers refused because there were none left */
     uint32_t shortest_body;
     uint32_t longest_body;
     uint64_t working_ns;  /* time not spent waiting */
