@@ -45,8 +45,9 @@ void listeners_fini(struct listeners *listeners)
 
 /* ------------------------------------------------------------------- listening */
 
-static bool wants_tcp(const struct options *options)
+bool listeners_want_tcp(const struct listeners *listeners)
 {
+    const struct options *options = listeners->server->options;
     return !options->local_only && options->users == USERS_ALL;
 }
 
@@ -58,7 +59,7 @@ int listeners_adopt(struct listeners *listeners, int fd)
     if (net_adopt(fd, &local, &port) != 0) {
         return ERR_IO;
     }
-    if (!local && !wants_tcp(options)) {
+    if (!local && !listeners_want_tcp(listeners)) {
         return ERR_REFUSED;
     }
     int *place = local ? &listeners->local.fd : &listeners->tcp;
@@ -105,7 +106,7 @@ static int open_local(struct listeners *listeners)
 static int open_both(struct listeners *listeners)
 {
     struct options *options = listeners->server->options;
-    if (!wants_tcp(options)) {
+    if (!listeners_want_tcp(listeners)) {
         const int error = choose_number(&options->port);
         return error != 0 ? error : open_local(listeners);
     }

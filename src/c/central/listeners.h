@@ -36,6 +36,9 @@ int listeners_adopt(struct listeners *listeners, int fd);
  * says why). */
 int listeners_open(struct listeners *listeners);
 
+/* Whether the options allow a TCP socket: it does not tell whose program connects. */
+bool listeners_want_tcp(const struct listeners *listeners);
+
 /* Whether an event of the poller belongs to them; if so newcomers are accepted. */
 bool listeners_take_event(struct listeners *listeners, const void *owner);
 

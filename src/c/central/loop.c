@@ -32,6 +32,7 @@ int loop_init(struct loop *loop, struct server *server)
     loop->poller = poller_new();
     console_init(&loop->console, server);
     listeners_init(&loop->listeners, server, &loop->waker);
+    metrics_server_init(&loop->metrics, server);
     if (loop->poller == NULL || waker_open(&loop->waker) != 0) {
         return ERR_IO;
     }
@@ -46,6 +47,8 @@ int loop_init(struct loop *loop, struct server *server)
 
 void loop_fini(struct loop *loop)
 {
+    presence_fini(&loop->presence);
+    metrics_server_fini(&loop->metrics);
     listeners_fini(&loop->listeners);
     console_fini(&loop->console);
     loop->server->poller = NULL;
@@ -195,7 +198,8 @@ static void handle_event(struct loop *loop, const struct poller_event *event)
     } else if (event->owner == &loop->console) {
         read_commands(loop);
     } else if (event->owner != &loop->watches_output && /* logs are flushed in every turn */
-               !listeners_take_event(&loop->listeners, event->owner)) {
+               !listeners_take_event(&loop->listeners, event->owner) &&
+               !metrics_server_take_event(&loop->metrics, event->owner)) {
         struct module *module = event->owner;
         if (event->found & READY_WRITE) {
             flush_module(loop, module);
@@ -214,14 +218,14 @@ static uint64_t earlier(uint64_t a, uint64_t b)
 }
 
 /* Milliseconds to wait, -1: until something happens. */
-static int64_t time_to_wait(const struct loop *loop, uint64_t patience_ends_ns)
+static int64_t time_to_wait(const struct loop *loop, uint64_t until)
 {
     const struct server *server = loop->server;
-    uint64_t until = patience_ends_ns;
     if (conversation_is_pending(server) || loop->input_is_unwatched) {
         return 0;
     }
     until = earlier(until, listeners_deadline_ns(&loop->listeners));
+    until = earlier(until, metrics_server_deadline_ns(&loop->metrics));
     if (sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) {
         until = earlier(until, server->now_ns + 100 * MS_NS);
     }
@@ -250,7 +254,10 @@ static void turn(struct loop *loop)
 {
     struct server *server = loop->server;
     const uint64_t patience_ends_ns = conversation_check_patience(server);
-    wait_for_events(loop, time_to_wait(loop, patience_ends_ns));
+    const uint64_t sign_is_due_ns = presence_turn(&loop->presence, server->now_ns);
+    wait_for_events(loop, time_to_wait(loop, earlier(patience_ends_ns, sign_is_due_ns)));
+    listeners_turn(&loop->listeners);
+    metrics_server_turn(&loop->metrics);
     conversation_turn(server);
     flush_all(loop);
     flush_logs(loop);
@@ -261,7 +268,6 @@ static void turn(struct loop *loop)
         ending_sweep(server);
         listeners_have_room(&loop->listeners);
     }
-    listeners_turn(&loop->listeners);
 }
 
 /* Writes what modules and logs take; returns how many bytes are left. */

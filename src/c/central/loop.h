@@ -9,6 +9,8 @@
 
 #include "central/console.h"
 #include "central/listeners.h"
+#include "central/metrics_server.h"
+#include "central/presence.h"
 #include "central/server.h"
 #include "platform/platform.h"
 
@@ -18,6 +20,8 @@ struct loop {
     struct poller *poller;
     struct waker waker;
     struct listeners listeners;
+    struct metrics_server metrics;
+    struct presence presence;
     bool reads_input;        /* commands are read from standard input */
     bool input_is_unwatched; /* ... which cannot be watched: it is read in every turn */
     bool watches_output;     /* standard output takes nothing at the moment */

@@ -4,8 +4,11 @@
  * What calls what, from here down:
  *
  *     main                options, start, end, exit status
+ *       opening           sockets and files by which others find the server
  *       loop              sockets, streams, signals; one turn after another
- *         listeners       newcomers                              access
+ *         listeners       newcomers                             access
+ *         metrics_server  numbers for programs that watch       metrics
+ *         presence        files, and signs of life to a supervisor
  *         console         typed commands                        options, statistics
  *         conversation    bytes to frames, a turn of each connection
  *           route         who gets a message                    tap
@@ -22,7 +25,7 @@
  *     message, handler, module, resource, dispatch              what there is
  *       namesakes, pool                                         how it is found and kept
  *
- * struct server holds all state; only loop, listeners, access and main touch the system.
+ * struct server holds all state; only what stands above the console touches the system.
  */
 #include <errno.h>
 #include <stdio.h>
@@ -30,6 +33,7 @@
 
 #include "base/error.h"
 #include "central/loop.h"
+#include "central/opening.h"
 #include "central/statistics.h"
 #include "central/version.h"
 #include "platform/process.h"
@@ -53,14 +57,6 @@ static enum options_result parse(struct options *options, int count, char **argu
     return result;
 }
 
-/* The server cannot start: says so on standard error and in the logs that there are. */
-static void complain(struct server *server, const char *text)
-{
-    (void)fputs(text, stderr);
-    log_always(&server->log, "%s", text);
-    log_flush(&server->log);
-}
-
 static int open_log(struct server *server)
 {
     if (!log_wants_file(&server->log) || log_open_file(&server->log) == 0) {
@@ -79,14 +75,7 @@ static int start(struct server *server, struct loop *loop)
     if (open_log(server) != 0) {
         return ERR_IO;
     }
-    const int error = listeners_open(&loop->listeners);
-    if (error != 0) {
-        const char *reason = error == ERR_IO ? strerror(errno) : error_text(error);
-        (void)fprintf(stderr, "Error: unable to bind TCP/IP socket for listening (%s)\n", reason);
-        complain(server, "ERROR: Unable to start server, Is one already running?\n\n");
-        return ERR_IO;
-    }
-    return 0;
+    return opening_open(loop);
 }
 
 static void print_statistics(const struct server *server)
@@ -107,7 +96,9 @@ static void serve(struct server *server, struct loop *loop)
     log_terminal(&server->log, SERVER_BANNER "\n");
     log_always(&server->log, "Expecting %d on port %d\n", server->options->expected,
                server->options->port);
+    presence_tell_ready(&loop->presence, server->options->port, clock_ns());
     loop_run(loop);
+    presence_tell_end();
     print_statistics(server);
     if (loop->signal != 0) {
         log_always(&server->log, "Central Abort : Signal %d\n", loop->signal);

@@ -101,7 +101,7 @@ void server_init(struct server *server, struct options *options, int terminal_fd
 {
     memset(server, 0, sizeof *server);
     server->options = options;
-    server->now_ns = now_ns;
+    server->start_ns = server->now_ns = now_ns;
     server->clock = clock_ns;
     if (catalogue_init(&server->catalogue) != 0) {
         (void)fputs("ERROR: no memory to start with\n", stderr);

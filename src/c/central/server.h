@@ -37,6 +37,7 @@ struct statistics {
 struct server {
     struct options *options;
     struct log log;
+    uint64_t start_ns;
     uint64_t now_ns; /* monotonic, of this turn */
     uint64_t (*clock)(void);
     struct poller *poller; /* watches the sockets; NULL when there are none */

@@ -178,8 +178,9 @@ int net_adopt(int fd, bool *local, int *port)
     } name;
     socklen_t length = sizeof name;
     memset(&name, 0, sizeof name); /* so that a path has its end */
+    /* Who connects is told which process has called listen last; that is the one that accepts. */
     if (!listens(fd) || getsockname(fd, (struct sockaddr *)&name, &length) < 0 ||
-        ready_socket(fd) != 0) {
+        ready_socket(fd) != 0 || listen(fd, BACKLOG) < 0) {
         return ERR_IO;
     }
     *local = name.any.ss_family == AF_UNIX;
