@@ -12,7 +12,6 @@
 #include "platform/rules.h"
 
 #define SERVICE_NAME "central"
-#define LOOK_UP_NS UINT64_C(2000000000)
 
 enum { SUPERUSER = 0 };
 
@@ -99,7 +98,7 @@ static enum access_answer wait_for_name(struct access *access, int fd, const cha
 {
     struct newcomer *newcomer = mem_new(sizeof *newcomer);
     newcomer->fd = fd;
-    newcomer->deadline_ns = access->server->now_ns + LOOK_UP_NS;
+    newcomer->deadline_ns = access->server->now_ns + access->server->options->limits.look_up_ns;
     memcpy(newcomer->address, address, strlen(address) + 1);
     begin_look_up(access, newcomer);
     list_append(&access->waiting, &newcomer->in_waiting);

@@ -37,6 +37,7 @@ struct central_limits {
     uint64_t pending_messages; /* deliveries that wait for one resource */
     uint64_t progress_ns;      /* patience of senders with a receiver that finishes nothing */
     uint64_t introduction_ns;  /* patience with a connection that does not introduce itself */
+    uint64_t look_up_ns;       /* patience with the look-up of a newcomer's name */
     uint64_t stuck_ns;         /* patience with a module whose unsent bytes exceed every measure */
     uint64_t unintroduced;     /* connections that have not introduced themselves yet */
 };

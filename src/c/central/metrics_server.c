@@ -12,7 +12,7 @@
 #include "central/metrics.h"
 #include "platform/process.h"
 
-#define PATIENCE_NS UINT64_C(5000000000)
+#define PATIENCE_NS UINT64_C(2000000000)
 #define PAUSE_NS UINT64_C(1000000000)
 
 enum { SOCKET_MODE = 0666, HIGHEST_PORT = 65535 };

@@ -2,7 +2,7 @@
  * Where the server's numbers are asked for: a small part of HTTP.
  *
  * Served by the same loop as the modules and bounded in every respect: a few
- * connections at a time, one short request each, a few seconds' patience.  Those
+ * connections at a time, one short request each, two seconds' patience.  Those
  * that come while all places are taken wait in the kernel's queue.
  */
 #ifndef IPC_CENTRAL_METRICS_SERVER_H

@@ -13,6 +13,8 @@
 #include "base/memory.h"
 #include "central/text.h"
 #include "central/version.h"
+#include "platform/process.h"
+#include "platform/rules.h"
 
 #define DEFAULT_PORT 1381
 #define HIGHEST_PORT 65535
@@ -220,6 +222,95 @@ static int ignore_messages_of_file(const struct action *action)
     return 0;
 }
 
+/* Keeps a value as text. */
+static int keep(char **place, const struct action *action)
+{
+    free(*place);
+    *place = mem_copy_string(action->value);
+    return 0;
+}
+
+/* Users are told apart on Unix sockets only, so TCP would be a way around them. */
+static int check_ways(const struct action *action)
+{
+    const struct options *options = action->options;
+    if (options->address != NULL && options->users != USERS_ALL) {
+        text_append(action->output->errors,
+                    "With --access there is only the Unix socket: --bind=%s cannot be\n",
+                    options->address);
+        return ERR_RANGE;
+    }
+    return 0;
+}
+
+static int choose_address(const struct action *action)
+{
+    struct options *options = action->options;
+    options->local_only = strcmp(action->value, "local") == 0;
+    if (!options->local_only) {
+        (void)keep(&options->address, action); /* it cannot fail */
+        return check_ways(action);
+    }
+    free(options->address);
+    options->address = NULL;
+    return 0;
+}
+
+#define GROUP_PREFIX "group="
+
+static int choose_users(const struct action *action)
+{
+    struct options *options = action->options;
+    const char *group = action->value + strlen(GROUP_PREFIX);
+    if (strcmp(action->value, "all") == 0) {
+        options->users = USERS_ALL;
+    } else if (strcmp(action->value, "owner") == 0) {
+        options->users = USERS_OWNER;
+    } else if (strncmp(action->value, GROUP_PREFIX, strlen(GROUP_PREFIX)) == 0 &&
+               process_find_group(group, &options->group) == 0) {
+        options->users = USERS_GROUP;
+    } else {
+        text_append(action->output->errors, "No such users: %s\n", action->value);
+        return ERR_RANGE;
+    }
+    return check_ways(action);
+}
+
+static int keep_rules(char **place, const struct action *action)
+{
+    if (!rules_are_known()) {
+        text_append(action->output->errors,
+                    "This central was built without libwrap: there are no rules of access\n");
+        return ERR_RANGE;
+    }
+    return keep(place, action);
+}
+
+static int choose_allow_file(const struct action *action)
+{
+    return keep_rules(&action->options->allow_file, action);
+}
+
+static int choose_deny_file(const struct action *action)
+{
+    return keep_rules(&action->options->deny_file, action);
+}
+
+static int choose_pid_file(const struct action *action)
+{
+    return keep(&action->options->pid_file, action);
+}
+
+static int choose_port_file(const struct action *action)
+{
+    return keep(&action->options->port_file, action);
+}
+
+static int choose_metrics(const struct action *action)
+{
+    return keep(&action->options->metrics, action);
+}
+
 static int show_version(const struct action *action)
 {
     options_show_version(action->is_long ? action->output->out : action->output->errors);
@@ -307,6 +398,24 @@ static const struct option table[] = {
     {'\0', "expected-modules", "=<number>", NULL, USE_AT_START, choose_expected,
      "modules that have to be there before any may begin;\n"
      "     an argument that begins with a digit says the same - the default is: 1\n"},
+    {'\0', "bind", "=<address>", NULL, USE_AT_START, choose_address,
+     "address of the TCP socket, a name or a number (IPv4, IPv6);\n"
+     "     local: no TCP, only the Unix socket - the default is: all of IPv4\n"},
+    {'\0', "access", "=<users>", NULL, USE_AT_START, choose_users,
+     "whose programs may connect: all, owner (who runs this server) or\n"
+     "     group=<name>; but for all there is only the Unix socket - the default is: all\n"},
+    {'\0', "hosts-allow", "=<file>", NULL, USE_AT_START, choose_allow_file,
+     "who may connect over TCP, by the service name central;\n"
+     "     see hosts_access(5) - the default is: the system's hosts.allow\n"},
+    {'\0', "hosts-deny", "=<file>", NULL, USE_AT_START, choose_deny_file,
+     "who may not - the default is: the system's hosts.deny\n"},
+    {'\0', "pid-file", "=<file>", NULL, USE_AT_START, choose_pid_file,
+     "file that holds the number of the process while the server runs\n"},
+    {'\0', "port-file", "=<file>", NULL, USE_AT_START, choose_port_file,
+     "file that holds the port while the server runs\n"},
+    {'\0', "metrics", "=<address>", NULL, USE_AT_START, choose_metrics,
+     "show numbers to Prometheus at <port> (of this machine only),\n"
+     "     <host>:<port> or the Unix socket </path>\n"},
 };
 
 enum { N_OPTIONS = sizeof table / sizeof table[0] };
