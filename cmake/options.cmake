@@ -4,6 +4,7 @@ option(BUILD_SHARED_LIBS "Target ipc is the shared library; the static one is bu
 option(IPC_BUILD_EXAMPLES "Build the manual's example programs" ${IPC_TOP_LEVEL})
 option(IPC_BUILD_XDRGEN "Build the program xdrgen (needs bison and flex)" ${IPC_TOP_LEVEL})
 option(IPC_INSTALL "Add what is built to the install target" ${IPC_TOP_LEVEL})
+set(IPC_SYSTEMD_UNIT_DIR lib/systemd/system CACHE STRING "Where units for systemd are installed")
 option(IPC_WERROR "Treat warnings as errors" OFF)
 # Access control by hosts.allow and hosts.deny needs libwrap; it is there where that is.
 find_path(IPC_LIBWRAP_INCLUDE_DIR tcpd.h)

@@ -149,8 +149,7 @@ static bool is_due(struct access *access, struct newcomer *newcomer)
            (newcomer->look_up != NULL && look_up_is_done(newcomer->look_up));
 }
 
-/* Whether anything has happened to those that wait since they were last seen. */
-static bool has_news(const struct access *access)
+bool access_has_news(const struct access *access)
 {
     return !list_is_empty(&access->waiting) &&
            (access_deadline_ns(access) <= access->server->now_ns ||
@@ -160,7 +159,7 @@ static bool has_news(const struct access *access)
 int access_next(struct access *access)
 {
     struct list *at, *following;
-    if (!has_news(access)) {
+    if (list_is_empty(&access->waiting)) {
         return -1;
     }
     const uint64_t n_looked_up = resolver_n_done(access->resolver);

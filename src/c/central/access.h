@@ -35,6 +35,9 @@ enum access_answer {
 /* Decides about a connection that has just been accepted. */
 enum access_answer access_ask(struct access *access, int fd);
 
+/* Whether anything has happened to those that wait since access_next last found none. */
+bool access_has_news(const struct access *access);
+
 /* A connection that has waited and is granted access, which is the caller's again; -1: none now. */
 int access_next(struct access *access);
 

@@ -178,11 +178,56 @@ static void add_connection(struct listeners *listeners, int fd)
     }
 }
 
+/* Rules are read from files, for which there has to be a descriptor: the spare one makes room. */
+static bool lend_spare(struct listeners *listeners)
+{
+    if (listeners->spare < 0) {
+        listeners->spare = net_open_spare();
+    }
+    if (listeners->spare < 0) {
+        return false;
+    }
+    net_close_copy(listeners->spare);
+    return true;
+}
+
+static void take_spare_back(struct listeners *listeners)
+{
+    listeners->spare = net_open_spare();
+}
+
+static void refuse(struct listeners *listeners)
+{
+    warn(listeners);
+    listeners->server->statistics.n_without_descriptor++;
+}
+
 static void receive(struct listeners *listeners, int fd)
 {
-    if (access_ask(&listeners->access, fd) == ACCESS_GRANTED) {
+    if (!lend_spare(listeners)) {
+        net_close(fd);
+        refuse(listeners);
+        return;
+    }
+    const enum access_answer answer = access_ask(&listeners->access, fd);
+    take_spare_back(listeners);
+    if (answer == ACCESS_GRANTED) {
         add_connection(listeners, fd);
     }
+}
+
+/* Takes those whose look-up is over.  Without any descriptor the rules cannot be read and refuse. */
+static void receive_waiting(struct listeners *listeners)
+{
+    int fd;
+    do {
+        (void)lend_spare(listeners);
+        fd = access_next(&listeners->access);
+        take_spare_back(listeners);
+        if (fd >= 0) {
+            add_connection(listeners, fd);
+        }
+    } while (fd >= 0);
 }
 
 /* Takes one newcomer: 0, or not when there is none, or none can be taken now. */
@@ -193,11 +238,13 @@ static int accept_one(struct listeners *listeners, int listener)
     if (result == 0) {
         receive(listeners, fd);
     } else if (result == ERR_LIMIT) {
-        warn(listeners);
         result = net_refuse(listener, &listeners->spare);
-        listeners->server->statistics.n_without_descriptor += result == 0;
+        if (result == 0) {
+            refuse(listeners);
+        }
     }
     if (result == ERR_LIMIT) {
+        warn(listeners);
         pause_accepting(listeners);
     }
     return result;
@@ -226,12 +273,10 @@ void listeners_have_room(struct listeners *listeners)
 
 void listeners_turn(struct listeners *listeners)
 {
-    const uint64_t now_ns = listeners->server->now_ns;
-    int fd;
-    while ((fd = access_next(&listeners->access)) >= 0) {
-        add_connection(listeners, fd);
+    if (access_has_news(&listeners->access)) {
+        receive_waiting(listeners);
     }
-    if (!listeners->accepting && now_ns >= listeners->accept_again_ns) {
+    if (!listeners->accepting && listeners->server->now_ns >= listeners->accept_again_ns) {
         watch_both(listeners);
     }
 }
