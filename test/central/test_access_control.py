@@ -96,12 +96,14 @@ def test_a_refusal_is_one_line_and_no_module_that_has_gone(guarded, rules, conne
     watcher = connect(guarded, "WATCHER")
     watcher.subscribe("x_ipc_disconnectNotify", 1, "x_ipc_disconnectNotify")
     watcher.sync()
-    start = len(guarded.stdout)
     rules.write(deny=EVERYBODY)
     assert is_refused(guarded, stack)
-    watcher.sync()
     expect_nothing(watcher)
-    assert guarded.stdout[start:] == ["WARNING: connection rejected from 127.0.0.1"]
+    guarded.wait_for_line(REFUSED)
+    about_watcher = ["Received a new connection", "modName : WATCHER", "hostName: robot"]
+    lines = guarded.stdout[2:]
+    assert all(part in line for part, line in zip(about_watcher, lines))
+    assert lines[3:] == ["WARNING: connection rejected from 127.0.0.1"]
 
 
 @pytest.mark.parametrize("option", ["spawn touch {0}", "twist touch {0}"])

@@ -214,6 +214,68 @@ static void wrong_limits_are_refused(void **state)
     }
 }
 
+static void who_may_connect_and_how(void **state)
+{
+    static const struct {
+        const char *line;
+        enum allowed_users users;
+        bool local_only;
+        const char *address;
+    } lines[] = {
+        {"", USERS_ALL, false, NULL},
+        {"--bind=127.0.0.1", USERS_ALL, false, "127.0.0.1"},
+        {"--bind ::1", USERS_ALL, false, "::1"},
+        {"--bind=robot --bind=local", USERS_ALL, true, NULL},
+        {"--bind=local --bind=robot", USERS_ALL, false, "robot"},
+        {"--access=owner", USERS_OWNER, false, NULL},
+        {"--access=owner --bind=local", USERS_OWNER, true, NULL},
+        {"--access=owner --access=all --bind=robot", USERS_ALL, false, "robot"},
+    };
+    struct fixture f;
+    (void)state;
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        assert_int_equal(parse(&f, lines[i].line), OPTIONS_GO);
+        assert_int_equal(f.options.users, lines[i].users);
+        assert_int_equal(f.options.local_only, lines[i].local_only);
+        if (lines[i].address == NULL) {
+            assert_null(f.options.address);
+        } else {
+            assert_string_equal(f.options.address, lines[i].address);
+        }
+        close_fixture(&f);
+    }
+    assert_int_equal(parse(&f, "--access=group=0"), OPTIONS_GO);
+    assert_int_equal(f.options.users, USERS_GROUP);
+    assert_int_equal(f.options.group, 0);
+    close_fixture(&f);
+}
+
+static void users_that_tcp_cannot_tell_and_no_users_are_refused(void **state)
+{
+    static const char *const lines[] = {"--access=owner --bind=robot", "--bind=robot --access=owner",
+                                        "--access=everybody", "--access=group=", "--access",
+                                        "--access=group=no-such-group"};
+    struct fixture f;
+    (void)state;
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        assert_int_equal(parse(&f, lines[i]), OPTIONS_WRONG);
+        assert_true(f.errors.length > 0);
+        close_fixture(&f);
+    }
+}
+
+static void files_and_addresses_are_kept(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "--pid-file=a --pid-file=b --port-file=c --metrics=9123"),
+                     OPTIONS_GO);
+    assert_string_equal(f.options.pid_file, "b");
+    assert_string_equal(f.options.port_file, "c");
+    assert_string_equal(f.options.metrics, "9123");
+    close_fixture(&f);
+}
+
 static void log_letters(void **state)
 {
     struct fixture f;
@@ -335,6 +397,9 @@ int main(void)
         cmocka_unit_test(impossible_ports_are_refused),
         cmocka_unit_test(limits_are_set_by_name),
         cmocka_unit_test(wrong_limits_are_refused),
+        cmocka_unit_test(who_may_connect_and_how),
+        cmocka_unit_test(users_that_tcp_cannot_tell_and_no_users_are_refused),
+        cmocka_unit_test(files_and_addresses_are_kept),
         cmocka_unit_test(log_letters),
         cmocka_unit_test(the_listing_and_the_version_are_shown_alone),
         cmocka_unit_test(names_to_ignore_come_from_options_and_files),
