@@ -11,6 +11,7 @@
 #include "central/ending.h"
 #include "central/flow.h"
 #include "central/log_variables.h"
+#include "central/resend.h"
 #include "central/statistics.h"
 #include "central/version.h"
 
@@ -339,7 +340,7 @@ void console_fini(struct console *console)
 
 void console_prompt(struct console *console)
 {
-    if (console->server->options->read_commands) {
+    if (console->server->options->read_commands && !resend_asks(console->server)) {
         log_terminal(&console->server->log, "> ");
     }
 }
@@ -350,6 +351,8 @@ static void finish_line(struct console *console)
     static const char end = '\0';
     if (console->line_is_too_long || buffer_append(&console->line, &end, 1) != 0) {
         (void)fputs("ERROR: the command is too long\n", stderr);
+    } else if (resend_asks(console->server)) {
+        resend_answer(console->server, (char *)console->line.bytes);
     } else {
         execute(console, (char *)console->line.bytes);
     }

@@ -269,3 +269,18 @@ void log_terminal(struct log *log, const char *format, ...)
         log_put_line(log, LOG_TERMINAL);
     }
 }
+
+void log_question(struct log *log, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    write_line(log, format, arguments);
+    va_end(arguments);
+    if (log_is_open(log, LOG_TERMINAL)) {
+        log_put_line(log, LOG_TERMINAL);
+    }
+    if (log_is_open(log, LOG_FILE)) {
+        text_append(&log->line, "\n");
+        log_put_line(log, LOG_FILE);
+    }
+}

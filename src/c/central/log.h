@@ -75,6 +75,9 @@ void log_warning(struct log *log, const struct module *module, const char *forma
 /* Terminal only, not when silent: banner, prompt, answers to commands. */
 void log_terminal(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
 
+/* To both logs: a question.  On the terminal its answer stands in the same line. */
+void log_question(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+
 /* ----------------------------------------------------- the life of a dispatch */
 
 /* The lines themselves; what follows asks first whether any log shows message lines. */

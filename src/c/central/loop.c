@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "central/conversation.h"
 #include "central/ending.h"
+#include "central/resend.h"
 #include "central/watch.h"
 #include "platform/process.h"
 
@@ -150,6 +151,7 @@ static void stop_reading_input(struct loop *loop)
         poller_remove(loop->poller, STREAM_INPUT);
     }
     loop->reads_input = false;
+    resend_set_asking(loop->server, false);
     loop->input_is_unwatched = false;
 }
 
@@ -157,6 +159,7 @@ static void start_reading_input(struct loop *loop)
 {
     loop->reads_input = loop->server->options->read_commands;
     if (loop->reads_input) {
+        resend_set_asking(loop->server, stream_is_terminal(STREAM_INPUT));
         loop->input_is_unwatched =
             poller_add(loop->poller, STREAM_INPUT, READY_READ, &loop->console) != 0;
     }

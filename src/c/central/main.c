@@ -12,6 +12,7 @@
  *           service       requests to the server, by a table
  *             service_*, variable_service   carry them out
  *               ending, start, notify, handler_list, broadcasts, variable, own_request
+ *                 resend          what ended modules did not finish
  *         flow            what goes now and what waits          claim, pending
  *           backpressure  who has to wait for whom
  *         watch           new values to those who watch
