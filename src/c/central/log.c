@@ -32,16 +32,19 @@ bool log_is_open(const struct log *log, enum which_log which)
 
 void log_init(struct log *log, struct options *options, int terminal_fd)
 {
+    struct local_time now;
     memset(log, 0, sizeof *log);
     log->options = options;
     log->clock = clock_local;
+    clock_local(&now);
+    log->start = now.epoch;
     sink_init(&log->terminal, terminal_fd);
     sink_init(&log->file, -1);
     buffer_init(&log->line);
     log_switched(log);
 }
 
-static void close_file(struct log *log)
+void log_close_file(struct log *log)
 {
     if (log->file_is_open) {
         (void)sink_flush(&log->file); /* what a failing file does not take is lost */
@@ -50,12 +53,13 @@ static void close_file(struct log *log)
     }
     sink_fini(&log->file);
     sink_init(&log->file, -1);
+    log_switched(log);
 }
 
 void log_close(struct log *log)
 {
     (void)sink_flush(&log->terminal); /* what a blocked terminal does not take is lost */
-    close_file(log);
+    log_close_file(log);
     log->closed = true;
     log_switched(log);
 }
@@ -102,7 +106,7 @@ static void write_header(struct log *log)
     sink_put(&log->file, log->line.bytes, log->line.length);
 }
 
-/* Opens the file of log->file_name. */
+/* Opens the file of log->file_name; a new one gets a header. */
 static int open_file(struct log *log, bool append)
 {
     int fd;
@@ -111,26 +115,30 @@ static int open_file(struct log *log, bool append)
     }
     sink_init(&log->file, fd);
     log->file_is_open = true;
+    if (stream_size(fd) == 0) {
+        write_header(log);
+    }
     log_switched(log);
     return 0;
 }
 
+/* The name that the options want, malloc. */
+static char *wanted_name(const struct log *log)
+{
+    char generated[64];
+    (void)snprintf(generated, sizeof generated, "x_ipc.log.%" PRId64, log->start);
+    return mem_copy_string(log->options->file_name != NULL ? log->options->file_name : generated);
+}
+
 int log_open_file(struct log *log)
 {
-    struct local_time now;
-    log->clock(&now);
+    char *name = wanted_name(log);
+    const bool goes_on = log->file_name != NULL && strcmp(log->file_name, name) == 0;
     free(log->file_name);
-    if (log->options->file_name != NULL) {
-        log->file_name = mem_copy_string(log->options->file_name);
-    } else {
-        char generated[64];
-        (void)snprintf(generated, sizeof generated, "x_ipc.log.%" PRId64, now.epoch);
-        log->file_name = mem_copy_string(generated);
-    }
-    const int error = open_file(log, false);
+    log->file_name = name;
+    const int error = open_file(log, goes_on);
     if (error == 0) {
         log_terminal(log, "Logging to %s;\n", log->file_name);
-        write_header(log);
     }
     return error;
 }
@@ -140,10 +148,8 @@ int log_reopen_file(struct log *log)
     if (!log->file_is_open) {
         return 0;
     }
-    close_file(log);
-    const int error = open_file(log, true);
-    log_switched(log);
-    return error;
+    log_close_file(log);
+    return open_file(log, true);
 }
 
 void log_flush(struct log *log)
@@ -154,8 +160,7 @@ void log_flush(struct log *log)
     const bool lazy = !log->options->file.flush && sink_waiting(&log->file) < BUFSIZ;
     if (log->file_is_open && !lazy && sink_flush(&log->file) < 0) {
         (void)fprintf(stderr, "ERROR: Can not write file %s.\n", log->file_name);
-        close_file(log);
-        log_switched(log);
+        log_close_file(log);
     }
 }
 
@@ -267,6 +272,17 @@ void log_terminal(struct log *log, const char *format, ...)
     va_end(arguments);
     if (log_is_open(log, LOG_TERMINAL)) {
         log_put_line(log, LOG_TERMINAL);
+    }
+}
+
+void log_file(struct log *log, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    write_line(log, format, arguments);
+    va_end(arguments);
+    if (log_is_open(log, LOG_FILE)) {
+        sink_put(&log->file, log->line.bytes, log->line.length); /* as it is, empty lines too */
     }
 }
 

@@ -38,6 +38,7 @@ int loop_init(struct loop *loop, struct server *server)
     loop->waker.read_fd = loop->waker.write_fd = -1;
     loop->poller = poller_new();
     console_init(&loop->console, server);
+    loop->console.at_terminal = stream_is_terminal(STREAM_INPUT);
     if (loop->poller == NULL || waker_open(&loop->waker) != 0) {
         return ERR_IO;
     }
@@ -157,9 +158,10 @@ static void stop_reading_input(struct loop *loop)
 
 static void start_reading_input(struct loop *loop)
 {
-    loop->reads_input = loop->server->options->read_commands;
+    loop->reads_input = console_listens(&loop->console);
     if (loop->reads_input) {
-        resend_set_asking(loop->server, stream_is_terminal(STREAM_INPUT));
+        resend_set_asking(loop->server, loop->console.at_terminal &&
+                                            loop->server->options->read_commands);
         loop->input_is_unwatched =
             poller_add(loop->poller, STREAM_INPUT, READY_READ, &loop->console) != 0;
     }
@@ -172,7 +174,10 @@ static void read_commands(struct loop *loop)
     if (n > 0) {
         console_feed(&loop->console, bytes, (size_t)n);
     }
-    if (n < 0 || !loop->server->options->read_commands) {
+    if (n < 0) {
+        console_end_input(&loop->console);
+    }
+    if (n < 0 || !console_listens(&loop->console)) {
         stop_reading_input(loop);
     }
 }

@@ -5,7 +5,7 @@
  *
  *     main                options, start, end, exit status
  *       loop              sockets, streams, signals; one turn after another
- *         console         typed commands                        options, statistics
+ *         console         typed commands                        comments, options, statistics
  *         conversation    bytes to frames, a turn of each connection
  *           route         who gets a message                    tap
  *           completion    what modules report about deliveries
@@ -61,9 +61,13 @@ static void complain(struct server *server, const char *text)
     log_flush(&server->log);
 }
 
-static int open_log(struct server *server)
+static int open_log(struct server *server, struct console *console)
 {
-    if (!log_wants_file(&server->log) || log_open_file(&server->log) == 0) {
+    if (!log_wants_file(&server->log)) {
+        return 0;
+    }
+    if (log_open_file(&server->log) == 0) {
+        console_log_opened(console);
         return 0;
     }
     (void)fprintf(stderr, "ERROR: Can not open file %s.\n\n", server->log.file_name);
@@ -76,7 +80,7 @@ static int start(struct server *server, struct loop *loop)
         (void)fprintf(stderr, "ERROR: %s\n", strerror(errno));
         return ERR_IO;
     }
-    if (open_log(server) != 0) {
+    if (open_log(server, &loop->console) != 0) {
         return ERR_IO;
     }
     if (loop_listen(loop) != 0) {
