@@ -44,18 +44,6 @@ void log_init(struct log *log, struct options *options, int terminal_fd)
     log_switched(log);
 }
 
-void log_close_file(struct log *log)
-{
-    if (log->file_is_open) {
-        (void)sink_flush(&log->file); /* what a failing file does not take is lost */
-        stream_close(log->file.fd);
-        log->file_is_open = false;
-    }
-    sink_fini(&log->file);
-    sink_init(&log->file, -1);
-    log_switched(log);
-}
-
 void log_close(struct log *log)
 {
     (void)sink_flush(&log->terminal); /* what a blocked terminal does not take is lost */
@@ -86,82 +74,12 @@ void log_switched(struct log *log)
     }
 }
 
-bool log_wants_file(const struct log *log)
-{
-    const struct log_switches *on = &log->options->file;
-    return on->messages || on->status || on->data || on->time || on->summary;
-}
-
-static void write_header(struct log *log)
-{
-    static const char *const weekdays[] = {"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
-    static const char *const months[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
-                                         "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
-    struct local_time now;
-    log->clock(&now);
-    buffer_clear(&log->line);
-    text_append(&log->line, "Logging " SERVER_BANNER " on %s %s %2d %02d:%02d:%02d %d\n",
-                weekdays[now.weekday], months[now.month - 1], now.day, now.hour, now.minute,
-                now.second, now.year);
-    sink_put(&log->file, log->line.bytes, log->line.length);
-}
-
-/* Opens the file of log->file_name; a new one gets a header. */
-static int open_file(struct log *log, bool append)
-{
-    int fd;
-    if (stream_open(log->file_name, append, &fd) != 0) {
-        return ERR_IO;
-    }
-    sink_init(&log->file, fd);
-    log->file_is_open = true;
-    if (stream_size(fd) == 0) {
-        write_header(log);
-    }
-    log_switched(log);
-    return 0;
-}
-
-/* The name that the options want, malloc. */
-static char *wanted_name(const struct log *log)
-{
-    char generated[64];
-    (void)snprintf(generated, sizeof generated, "x_ipc.log.%" PRId64, log->start);
-    return mem_copy_string(log->options->file_name != NULL ? log->options->file_name : generated);
-}
-
-int log_open_file(struct log *log)
-{
-    char *name = wanted_name(log);
-    const bool goes_on = log->file_name != NULL && strcmp(log->file_name, name) == 0;
-    free(log->file_name);
-    log->file_name = name;
-    const int error = open_file(log, goes_on);
-    if (error == 0) {
-        log_terminal(log, "Logging to %s;\n", log->file_name);
-    }
-    return error;
-}
-
-int log_reopen_file(struct log *log)
-{
-    if (!log->file_is_open) {
-        return 0;
-    }
-    log_close_file(log);
-    return open_file(log, true);
-}
-
 void log_flush(struct log *log)
 {
     if (sink_flush(&log->terminal) < 0) {
         log_switched(log); /* the reader has gone: nobody minds */
     }
-    const bool lazy = !log->options->file.flush && sink_waiting(&log->file) < BUFSIZ;
-    if (log->file_is_open && !lazy && sink_flush(&log->file) < 0) {
-        (void)fprintf(stderr, "ERROR: Can not write file %s.\n", log->file_name);
-        log_close_file(log);
-    }
+    log_flush_file(log);
 }
 
 /* ------------------------------------------------------------ whole lines */

@@ -56,6 +56,12 @@ void log_close_file(struct log *log);
 /* Starts a new file of the same name where the old one was moved away: 0 or ERR_IO. */
 int log_reopen_file(struct log *log);
 
+/* Whether the file has not taken all that should be in it by now. */
+bool log_file_is_behind(const struct log *log);
+
+/* Lets leave what the file takes, and starts a new one where the old one has its size. */
+void log_flush_file(struct log *log);
+
 /* Lets leave what the streams take; says on standard error when a log file has failed. */
 void log_flush(struct log *log);
 

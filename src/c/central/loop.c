@@ -323,7 +323,8 @@ static int64_t time_to_wait(const struct loop *loop, uint64_t patience_ends_ns)
     if (!loop->accepting) {
         until = earlier(until, loop->accept_again_ns);
     }
-    if (sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) {
+    if ((sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) ||
+        log_file_is_behind(&server->log)) {
         until = earlier(until, server->now_ns + 100 * MS_NS);
     }
     if (until == UINT64_MAX) {
