@@ -77,12 +77,18 @@ void deliver_promote(struct server *server, struct dispatch *dispatch)
     log_released(&server->log, dispatch);
 }
 
-void deliver_end(struct server *server, struct dispatch *dispatch)
+void deliver_leave(struct dispatch *dispatch)
 {
     if (dispatch->state == DISPATCH_AHEAD) {
         leave_ahead(dispatch);
-    } else if (!dispatch->uncounted) {
-        dispatch->resource->attending--;
+    } else {
+        dispatch->resource->attending -= !dispatch->uncounted;
+        list_remove(&dispatch->link);
     }
+}
+
+void deliver_end(struct server *server, struct dispatch *dispatch)
+{
+    deliver_leave(dispatch);
     dispatch_free(&server->dispatches, dispatch);
 }

@@ -37,6 +37,7 @@ struct dispatch *dispatch_new(struct dispatch_pool *pool, struct message *messag
     dispatch->sender = sender == NULL ? NULL : module_ref(sender);
     dispatch->handler = NULL;
     dispatch->resource = NULL;
+    dispatch->lost_by = NULL;
     list_init(&dispatch->link);
     pending_item_init(&dispatch->waiting);
     dispatch->block = NULL;
@@ -51,6 +52,7 @@ void dispatch_free(struct dispatch_pool *pool, struct dispatch *dispatch)
     list_remove(&dispatch->link);
     idpool_release(&pool->numbers, dispatch->id);
     module_unref(dispatch->sender);
+    module_unref(dispatch->lost_by);
     block_unref(dispatch->block);
     pool_give(&pool->records, dispatch);
     pool->n_ended++;

@@ -47,6 +47,8 @@ struct dispatch {
     struct module *sender;     /* a reference; NULL: the server itself */
     struct handler *handler;   /* NULL for requests to the server and while waiting */
     struct resource *resource; /* of pending, active and claiming ones */
+    struct module *lost_by;    /* a reference: it waits for a module of that name; NULL: it does not
+                                  matter who handles it */
     struct list link;          /* in the list that the state says */
     struct pending_item waiting;
 

@@ -32,30 +32,22 @@ bool log_is_open(const struct log *log, enum which_log which)
 
 void log_init(struct log *log, struct options *options, int terminal_fd)
 {
+    struct local_time now;
     memset(log, 0, sizeof *log);
     log->options = options;
     log->clock = clock_local;
+    clock_local(&now);
+    log->start = now.epoch;
     sink_init(&log->terminal, terminal_fd);
     sink_init(&log->file, -1);
     buffer_init(&log->line);
     log_switched(log);
 }
 
-static void close_file(struct log *log)
-{
-    if (log->file_is_open) {
-        (void)sink_flush(&log->file); /* what a failing file does not take is lost */
-        stream_close(log->file.fd);
-        log->file_is_open = false;
-    }
-    sink_fini(&log->file);
-    sink_init(&log->file, -1);
-}
-
 void log_close(struct log *log)
 {
     (void)sink_flush(&log->terminal); /* what a blocked terminal does not take is lost */
-    close_file(log);
+    log_close_file(log);
     log->closed = true;
     log_switched(log);
 }
@@ -82,81 +74,12 @@ void log_switched(struct log *log)
     }
 }
 
-bool log_wants_file(const struct log *log)
-{
-    const struct log_switches *on = &log->options->file;
-    return on->messages || on->status || on->data || on->time || on->summary;
-}
-
-static void write_header(struct log *log)
-{
-    static const char *const weekdays[] = {"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
-    static const char *const months[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
-                                         "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
-    struct local_time now;
-    log->clock(&now);
-    buffer_clear(&log->line);
-    text_append(&log->line, "Logging " SERVER_BANNER " on %s %s %2d %02d:%02d:%02d %d\n",
-                weekdays[now.weekday], months[now.month - 1], now.day, now.hour, now.minute,
-                now.second, now.year);
-    sink_put(&log->file, log->line.bytes, log->line.length);
-}
-
-/* Opens the file of log->file_name. */
-static int open_file(struct log *log, bool append)
-{
-    int fd;
-    if (stream_open(log->file_name, append, &fd) != 0) {
-        return ERR_IO;
-    }
-    sink_init(&log->file, fd);
-    log->file_is_open = true;
-    log_switched(log);
-    return 0;
-}
-
-int log_open_file(struct log *log)
-{
-    struct local_time now;
-    log->clock(&now);
-    free(log->file_name);
-    if (log->options->file_name != NULL) {
-        log->file_name = mem_copy_string(log->options->file_name);
-    } else {
-        char generated[64];
-        (void)snprintf(generated, sizeof generated, "x_ipc.log.%" PRId64, now.epoch);
-        log->file_name = mem_copy_string(generated);
-    }
-    const int error = open_file(log, false);
-    if (error == 0) {
-        log_terminal(log, "Logging to %s;\n", log->file_name);
-        write_header(log);
-    }
-    return error;
-}
-
-int log_reopen_file(struct log *log)
-{
-    if (!log->file_is_open) {
-        return 0;
-    }
-    close_file(log);
-    const int error = open_file(log, true);
-    log_switched(log);
-    return error;
-}
-
 void log_flush(struct log *log)
 {
     if (sink_flush(&log->terminal) < 0) {
         log_switched(log); /* the reader has gone: nobody minds */
     }
-    const bool lazy = !log->options->file.flush && sink_waiting(&log->file) < BUFSIZ;
-    if (log->file_is_open && !lazy && sink_flush(&log->file) < 0) {
-        (void)fprintf(stderr, "ERROR: Can not write file %s.\n", log->file_name);
-        close_file(log);
-        log_switched(log);
-    }
+    log_flush_file(log);
 }
 
 /* ------------------------------------------------------------ whole lines */
@@ -267,5 +190,31 @@ void log_terminal(struct log *log, const char *format, ...)
     va_end(arguments);
     if (log_is_open(log, LOG_TERMINAL)) {
         log_put_line(log, LOG_TERMINAL);
+    }
+}
+
+void log_file(struct log *log, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    write_line(log, format, arguments);
+    va_end(arguments);
+    if (log_is_open(log, LOG_FILE)) {
+        sink_put(&log->file, log->line.bytes, log->line.length); /* as it is, empty lines too */
+    }
+}
+
+void log_question(struct log *log, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    write_line(log, format, arguments);
+    va_end(arguments);
+    if (log_is_open(log, LOG_TERMINAL)) {
+        log_put_line(log, LOG_TERMINAL);
+    }
+    if (log_is_open(log, LOG_FILE)) {
+        text_append(&log->line, "\n");
+        log_put_line(log, LOG_FILE);
     }
 }

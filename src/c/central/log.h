@@ -24,6 +24,7 @@ struct log {
     bool file_is_open;
     bool closed;      /* nothing is written any more */
     char *file_name;  /* owned; of the file that is or was open */
+    int64_t start;    /* seconds since 1970: a generated name holds them */
     bool messages_on; /* some log shows message lines: see log_switched */
     bool data_on;
     bool summary_on;
@@ -45,11 +46,21 @@ void log_switched(struct log *log);
 /* Whether the switches of the file ask for one. */
 bool log_wants_file(const struct log *log);
 
-/* Opens the file of the options' name, or of a generated one: 0 or ERR_IO. */
+/* Opens the file of the options' name, or of a generated one: 0 or ERR_IO.  What is in it goes,
+ * unless this log has written it. */
 int log_open_file(struct log *log);
+
+/* Writes what waits and closes the file. */
+void log_close_file(struct log *log);
 
 /* Starts a new file of the same name where the old one was moved away: 0 or ERR_IO. */
 int log_reopen_file(struct log *log);
+
+/* Whether the file has not taken all that should be in it by now. */
+bool log_file_is_behind(const struct log *log);
+
+/* Lets leave what the file takes, and starts a new one where the old one has its size. */
+void log_flush_file(struct log *log);
 
 /* Lets leave what the streams take; says on standard error when a log file has failed. */
 void log_flush(struct log *log);
@@ -74,6 +85,12 @@ void log_warning(struct log *log, const struct module *module, const char *forma
 
 /* Terminal only, not when silent: banner, prompt, answers to commands. */
 void log_terminal(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+
+/* File only. */
+void log_file(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+
+/* To both logs: a question.  On the terminal its answer stands in the same line. */
+void log_question(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
 
 /* ----------------------------------------------------- the life of a dispatch */
 

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "central/conversation.h"
 #include "central/ending.h"
+#include "central/resend.h"
 #include "central/watch.h"
 #include "platform/process.h"
 
@@ -33,6 +34,7 @@ int loop_init(struct loop *loop, struct server *server)
     console_init(&loop->console, server);
     listeners_init(&loop->listeners, server, &loop->waker);
     metrics_server_init(&loop->metrics, server);
+    loop->console.at_terminal = stream_is_terminal(STREAM_INPUT);
     if (loop->poller == NULL || waker_open(&loop->waker) != 0) {
         return ERR_IO;
     }
@@ -65,13 +67,16 @@ static void stop_reading_input(struct loop *loop)
         poller_remove(loop->poller, STREAM_INPUT);
     }
     loop->reads_input = false;
+    resend_set_asking(loop->server, false);
     loop->input_is_unwatched = false;
 }
 
 static void start_reading_input(struct loop *loop)
 {
-    loop->reads_input = loop->server->options->read_commands;
+    loop->reads_input = console_listens(&loop->console);
     if (loop->reads_input) {
+        resend_set_asking(loop->server, loop->console.at_terminal &&
+                                            loop->server->options->read_commands);
         loop->input_is_unwatched =
             poller_add(loop->poller, STREAM_INPUT, READY_READ, &loop->console) != 0;
     }
@@ -84,7 +89,10 @@ static void read_commands(struct loop *loop)
     if (n > 0) {
         console_feed(&loop->console, bytes, (size_t)n);
     }
-    if (n < 0 || !loop->server->options->read_commands) {
+    if (n < 0) {
+        console_end_input(&loop->console);
+    }
+    if (n < 0 || !console_listens(&loop->console)) {
         stop_reading_input(loop);
     }
 }
@@ -226,7 +234,8 @@ static int64_t time_to_wait(const struct loop *loop, uint64_t until)
     }
     until = earlier(until, listeners_deadline_ns(&loop->listeners));
     until = earlier(until, metrics_server_deadline_ns(&loop->metrics));
-    if (sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) {
+    if ((sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) ||
+        log_file_is_behind(&server->log)) {
         until = earlier(until, server->now_ns + 100 * MS_NS);
     }
     if (until == UINT64_MAX) {

@@ -9,13 +9,14 @@
  *         listeners       newcomers                             access
  *         metrics_server  numbers for programs that watch       metrics
  *         presence        files, and signs of life to a supervisor
- *         console         typed commands                        options, statistics
+ *         console         typed commands                        comments, options, statistics
  *         conversation    bytes to frames, a turn of each connection
  *           route         who gets a message                    tap
  *           completion    what modules report about deliveries
  *           service       requests to the server, by a table
  *             service_*, variable_service   carry them out
  *               ending, start, notify, handler_list, broadcasts, variable, own_request
+ *                 resend          what ended modules did not finish
  *         flow            what goes now and what waits          claim, pending
  *           backpressure  who has to wait for whom
  *         watch           new values to those who watch
@@ -57,9 +58,13 @@ static enum options_result parse(struct options *options, int count, char **argu
     return result;
 }
 
-static int open_log(struct server *server)
+static int open_log(struct server *server, struct console *console)
 {
-    if (!log_wants_file(&server->log) || log_open_file(&server->log) == 0) {
+    if (!log_wants_file(&server->log)) {
+        return 0;
+    }
+    if (log_open_file(&server->log) == 0) {
+        console_log_opened(console);
         return 0;
     }
     (void)fprintf(stderr, "ERROR: Can not open file %s.\n\n", server->log.file_name);
@@ -72,7 +77,7 @@ static int start(struct server *server, struct loop *loop)
         (void)fprintf(stderr, "ERROR: %s\n", strerror(errno));
         return ERR_IO;
     }
-    if (open_log(server) != 0) {
+    if (open_log(server, &loop->console) != 0) {
         return ERR_IO;
     }
     return opening_open(loop);

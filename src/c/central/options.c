@@ -3,6 +3,7 @@
  */
 #include "central/options.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -17,6 +18,9 @@
 #include "platform/rules.h"
 
 #define DEFAULT_PORT 1381
+#define DEFAULT_KEPT 5
+#define MOST_KEPT 1000
+#define LEAST_FILE 1024 /* so that a file holds more than its header */
 #define HIGHEST_PORT 65535
 
 #define LIMIT_PREFIX "--limit-"
@@ -102,6 +106,41 @@ static int name_file(const struct action *action)
     return 0;
 }
 
+/* Reads a whole number from lowest to highest: false, which is said, for anything else. */
+static bool read_number(const struct action *action, const char *what, long lowest, long highest,
+                        long *number)
+{
+    char *end;
+    errno = 0;
+    *number = strtol(action->value, &end, 10);
+    if (end == action->value || *end != '\0' || errno != 0 || *number < lowest ||
+        *number > highest) {
+        text_append(action->output->errors, "Illegal %s %s\n", what, action->value);
+        return false;
+    }
+    return true;
+}
+
+static int choose_file_size(const struct action *action)
+{
+    long bytes;
+    if (!read_number(action, "size of a log file", LEAST_FILE, LONG_MAX, &bytes)) {
+        return ERR_RANGE;
+    }
+    action->options->file_bytes = (uint64_t)bytes;
+    return 0;
+}
+
+static int choose_kept_files(const struct action *action)
+{
+    long number;
+    if (!read_number(action, "number of log files", 0, MOST_KEPT, &number)) {
+        return ERR_RANGE;
+    }
+    action->options->kept_files = (int)number;
+    return 0;
+}
+
 static int choose_port(const struct action *action)
 {
     char *end;
@@ -125,10 +164,8 @@ static int read_expected(const char *argument)
 
 static int choose_expected(const struct action *action)
 {
-    char *end;
-    const long number = strtol(action->value, &end, 10);
-    if (*end != '\0' || number < 1 || number > INT_MAX) {
-        text_append(action->output->errors, "Illegal number of modules %s\n", action->value);
+    long number;
+    if (!read_number(action, "number of modules", 1, INT_MAX, &number)) {
         return ERR_RANGE;
     }
     action->options->expected = (int)number;
@@ -379,6 +416,11 @@ static const struct option table[] = {
     {'f', "log-file", "=<file>", "-f", USE_ANYWHERE, name_file,
      "filename to use for logging.\n"
      "     If not specified, name is automatically generated.\n"},
+    {'\0', "log-size", "=<bytes>", NULL, USE_ANYWHERE, choose_file_size,
+     "begin a new log file when it has this size;\n"
+     "     the old ones are called <file>.1, <file>.2 and so on - the default is: never\n"},
+    {'\0', "log-keep", "=<number>", NULL, USE_ANYWHERE, choose_kept_files,
+     "old log files that are kept - the default is: 5\n"},
     {'p', "port", "=<port>", "-p<port>", USE_AT_START, choose_port,
      "specify the server port - the default port is: 1381\n"},
     {'c', "direct", "", "-c", USE_ANYWHERE, choose_direct,
@@ -568,6 +610,7 @@ void options_init(struct options *options)
     options->read_commands = true;
     options->terminal.messages = options->terminal.status = options->terminal.ignore = true;
     options->terminal.flush = true;
+    options->kept_files = DEFAULT_KEPT;
     options->file.ignore = options->file.flush = true;
     limits_init(&options->limits);
     list_init(&options->ignored);

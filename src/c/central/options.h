@@ -49,6 +49,8 @@ struct options {
     struct log_switches terminal;
     struct log_switches file;
     char *file_name;     /* owned; NULL: generated */
+    uint64_t file_bytes; /* of the log file, where a new one begins; 0: never */
+    int kept_files;      /* older ones that stay */
     struct list ignored; /* of struct ignored_name, in the order given */
     struct central_limits limits;
 

@@ -41,9 +41,8 @@ void route_broadcast(struct server *server, struct module *sender, const struct 
     }
 }
 
-/* The oldest handler that takes a delivery at once; else the one with the shortest queue. */
-static struct handler *choose_handler(const struct server *server, const struct message *message,
-                                      const struct module *sender)
+struct handler *route_choose(const struct server *server, const struct message *message,
+                             const struct module *sender)
 {
     struct handler *best = NULL;
     struct list *at, *following;
@@ -64,7 +63,7 @@ void route_to_one(struct server *server, struct module *sender, const struct fra
 {
     struct block *shared = frame->block == NULL ? NULL : block_ref(frame->block);
     struct dispatch *dispatch = dispatch_new(&server->dispatches, message, sender, frame);
-    dispatch->handler = choose_handler(server, message, sender);
+    dispatch->handler = route_choose(server, message, sender);
     if (dispatch->handler != NULL) {
         flow_enter(server, dispatch, &shared);
     } else {

@@ -11,6 +11,7 @@
 #include "central/ending.h"
 #include "central/log_variables.h"
 #include "central/outbox.h"
+#include "central/resend.h"
 #include "central/tap.h"
 #include "central/variable.h"
 #include "platform/platform.h"
@@ -95,6 +96,7 @@ static void init_lists(struct server *server)
     list_init(&server->due);
     list_init(&server->ended);
     list_init(&server->crowded);
+    list_init(&server->losses);
 }
 
 void server_init(struct server *server, struct options *options, int terminal_fd, uint64_t now_ns)
@@ -195,6 +197,7 @@ void server_fini(struct server *server)
         ending(server, LIST_OWNER(server->modules.next, struct module, in_server), ENDING_COMMAND);
     }
     drop_waiting(server);
+    resend_fini(server);
     ending_sweep(server);
     tap_free_all(server);
     variable_free_all(server);

@@ -80,6 +80,11 @@ struct server {
     struct list ended;  /* modules to let go at the end of the turn */
     struct list crowded; /* resources for which senders wait */
 
+    /* What ended modules have lost, while somebody is asked whether to send it again. */
+    bool asks_before_resending;
+    struct list losses;
+    size_t n_losses;
+
     struct statistics statistics;
 };
 

@@ -18,9 +18,12 @@ enum { STREAM_INPUT = 0, STREAM_OUTPUT = 1, STREAM_ERRORS = 2 };
 /* Makes missing standard streams lead to the null device, so that no socket takes their place. */
 void process_complete_streams(void);
 
-/* Opens a file for writing, emptied unless append: 0 or ERR_IO. */
+/* Opens a file for writing, emptied unless append, without waiting for a reader: 0 or ERR_IO. */
 int stream_open(const char *name, bool append, int *fd);
 void stream_close(int fd);
+
+/* Bytes in a file; 0 for what is none. */
+uint64_t stream_size(int fd);
 
 /* Reads what is there, without waiting: number of bytes, 0 when nothing is there now, ERR_CLOSED at
  * the end, ERR_IO. */

@@ -33,13 +33,20 @@ void process_complete_streams(void)
 
 int stream_open(const char *name, bool append, int *fd)
 {
-    *fd = open(name, O_WRONLY | O_CREAT | O_CLOEXEC | (append ? O_APPEND : O_TRUNC), 0666);
+    *fd = open(name, O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK | (append ? O_APPEND : O_TRUNC),
+               0666);
     return *fd < 0 ? ERR_IO : 0;
 }
 
 void stream_close(int fd)
 {
     close(fd);
+}
+
+uint64_t stream_size(int fd)
+{
+    struct stat status;
+    return fstat(fd, &status) == 0 && S_ISREG(status.st_mode) ? (uint64_t)status.st_size : 0;
 }
 
 static bool is_ready(int fd, short events)
