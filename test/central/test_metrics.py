@@ -68,6 +68,14 @@ def test_the_text_is_in_the_format_of_prometheus(watched):
     assert len(described) >= 12
 
 
+def test_the_documents_name_all_numbers_and_no_others(watched):
+    path = os.path.join(os.path.dirname(__file__), "../../docs/operation.md")
+    with open(path, encoding="utf-8") as file:
+        rows = file.read().partition("| number, after")[2].partition("\n\n")[0]
+    named = set(re.findall(r"`(\w+)", rows)) - {"ipc_central_"}
+    assert named == {name.partition("{")[0] for name in numbers(watched.metrics)}
+
+
 def test_numbers_count_what_happens(watched, connect, stack):
     before = numbers(watched.metrics)
     assert before["modules"] == before["connections"] == before["messages_total"] == 0
