@@ -191,9 +191,7 @@ static void take_signals(struct loop *loop)
             loop->signal = number;
             return;
         }
-        if (log_reopen_file(&loop->server->log) != 0) {
-            (void)fprintf(stderr, "ERROR: Can not open file %s.\n", loop->server->log.file_name);
-        }
+        log_reopen_files(&loop->server->log);
     }
 }
 
@@ -324,7 +322,7 @@ static int64_t time_to_wait(const struct loop *loop, uint64_t patience_ends_ns)
         until = earlier(until, loop->accept_again_ns);
     }
     if ((sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) ||
-        log_file_is_behind(&server->log)) {
+        log_files_are_behind(&server->log)) {
         until = earlier(until, server->now_ns + 100 * MS_NS);
     }
     if (until == UINT64_MAX) {
