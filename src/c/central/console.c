@@ -24,7 +24,7 @@ static void go_on_after_comments(struct console *console)
     const enum console_next next = console->next;
     console->next = CONSOLE_GO_ON;
     if (next == CONSOLE_CLOSE_FILE) {
-        log_close_file(&console->server->log);
+        log_close_file(&console->server->log, LOG_FILE);
     } else if (next == CONSOLE_QUIT) {
         console->wants_to_quit = true;
     }
@@ -35,7 +35,7 @@ static void ask_for_comments(struct console *console, enum console_next next)
 {
     const struct options *options = console->server->options;
     console->next = next;
-    if (console->server->log.file_is_open && options->file.comments && !options->silent &&
+    if (console->server->log.file.is_open && options->file.comments && !options->silent &&
         console->at_terminal) {
         comments_ask(&console->comments, &console->server->log);
     } else {
@@ -43,9 +43,13 @@ static void ask_for_comments(struct console *console, enum console_next next)
     }
 }
 
-void console_log_opened(struct console *console)
+int console_open_log(struct console *console)
 {
-    ask_for_comments(console, CONSOLE_GO_ON);
+    const int error = log_open_file(&console->server->log, LOG_FILE);
+    if (error == 0) {
+        ask_for_comments(console, CONSOLE_GO_ON);
+    }
+    return error;
 }
 
 static void take_comment(struct console *console, const char *line)
@@ -253,19 +257,21 @@ static void tell_switches(struct server *server, const struct options *before)
     }
 }
 
-/* Opens the log file if it is wanted now, closes it if it no longer is. */
-static void open_or_close_file(struct console *console)
+/* Opens the log files that are wanted now, closes those that no longer are. */
+static void open_or_close_files(struct console *console)
 {
     struct log *log = &console->server->log;
-    if (log->file_is_open == log_wants_file(log)) {
-        return;
+    const bool wants_file = log_wants_file(log, LOG_FILE);
+    const bool wants_json = log_wants_file(log, LOG_JSON);
+    if (wants_json && !log->json.is_open) {
+        (void)log_open_file(log, LOG_JSON); /* a failure has been said */
+    } else if (!wants_json && log->json.is_open) {
+        log_close_file(log, LOG_JSON);
     }
-    if (log->file_is_open) {
+    if (wants_file && !log->file.is_open) {
+        (void)console_open_log(console);
+    } else if (!wants_file && log->file.is_open) {
         ask_for_comments(console, CONSOLE_CLOSE_FILE);
-    } else if (log_open_file(log) == 0) {
-        console_log_opened(console);
-    } else {
-        (void)fprintf(stderr, "ERROR: Can not open file %s.\n", log->file_name);
     }
 }
 
@@ -294,7 +300,7 @@ static void execute_options(struct console *console, char *line)
     server_ignore_names(server);
     log_switched(&server->log);
     tell_switches(server, &before);
-    open_or_close_file(console);
+    open_or_close_files(console);
     log_terminal(&server->log, SERVER_BANNER "\n");
 }
 

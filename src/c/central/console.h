@@ -30,8 +30,9 @@ void console_fini(struct console *console);
 /* Writes the prompt, where there is to be one. */
 void console_prompt(struct console *console);
 
-/* Asks for comments in a log file that has been opened, where that is wanted. */
-void console_log_opened(struct console *console);
+/* Opens the log file, 0 or an error that has been said, and asks for comments where they are wanted.
+ */
+int console_open_log(struct console *console);
 
 /* Whether typed lines are of any use. */
 bool console_listens(const struct console *console);

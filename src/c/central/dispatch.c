@@ -27,6 +27,7 @@ struct dispatch *dispatch_new(struct dispatch_pool *pool, struct message *messag
 {
     struct dispatch *dispatch = pool_take(&pool->records);
     dispatch->id = idpool_take(&pool->numbers, dispatch);
+    dispatch->number = pool->n_begun;
     dispatch->state = DISPATCH_NEW;
     dispatch->uncounted = false;
     dispatch->class = frame->class;

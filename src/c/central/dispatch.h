@@ -37,6 +37,7 @@ enum { DISPATCH_SMALL = 96 };
 
 struct dispatch {
     uint32_t id;
+    uint64_t number; /* never given again */
     enum dispatch_state state;
     bool uncounted;     /* takes nothing of the capacity */
     uint16_t class;     /* as sent, enum frame_class */

@@ -1,5 +1,5 @@
 /*
- * The file of the log: its name, its header, its successors.
+ * The files of the logs: their names, their headers, their successors.
  */
 #include "central/log.h"
 
@@ -10,14 +10,14 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "central/log_output.h"
 #include "central/version.h"
 
 enum { NAME_SUFFIX = 16 };
 
-bool log_wants_file(const struct log *log)
+bool log_wants_file(const struct log *log, enum which_log which)
 {
-    const struct log_switches *on = &log->options->file;
-    return on->messages || on->status || on->data || on->time || on->summary;
+    return switches_want_file(log_switches_of(log, which));
 }
 
 static void write_header(struct log *log)
@@ -31,20 +31,22 @@ static void write_header(struct log *log)
     text_append(&log->line, "Logging " SERVER_BANNER " on %s %s %2d %02d:%02d:%02d %d\n",
                 weekdays[now.weekday], months[now.month - 1], now.day, now.hour, now.minute,
                 now.second, now.year);
-    sink_put(&log->file, log->line.bytes, log->line.length);
+    sink_put(&log->file.sink, log->line.bytes, log->line.length);
 }
 
-/* Opens the file of log->file_name; a new one gets a header. */
-static int open_file(struct log *log, bool append)
+/* Opens the file of the name that it has; a new one gets a header, if it is for people. */
+static int open_file(struct log *log, enum which_log which, bool append)
 {
+    struct log_file *file = log_file_of(log, which);
     int fd;
-    if (stream_open(log->file_name, append, &fd) != 0) {
+    if (stream_open(file->name, append, &fd) != 0) {
+        (void)fprintf(stderr, "ERROR: Can not open file %s.\n\n", file->name);
         return ERR_IO;
     }
-    sink_init(&log->file, fd);
-    log->file.left = stream_size(fd);
-    log->file_is_open = true;
-    if (log->file.left == 0) {
+    sink_init(&file->sink, fd);
+    file->sink.left = stream_size(fd);
+    file->is_open = true;
+    if (file->sink.left == 0 && which == LOG_FILE) {
         write_header(log);
     }
     log_switched(log);
@@ -52,97 +54,113 @@ static int open_file(struct log *log, bool append)
 }
 
 /* The name that the options want, malloc. */
-static char *wanted_name(const struct log *log)
+static char *wanted_name(const struct log *log, enum which_log which)
 {
     char generated[64];
-    (void)snprintf(generated, sizeof generated, "x_ipc.log.%" PRId64, log->start);
-    return mem_copy_string(log->options->file_name != NULL ? log->options->file_name : generated);
+    const struct options *options = log->options;
+    const char *given = which == LOG_FILE ? options->file_name : options->json_name;
+    (void)snprintf(generated, sizeof generated, "x_ipc.log.%" PRId64 "%s", log->start,
+                   which == LOG_FILE ? "" : ".json");
+    return mem_copy_string(given != NULL ? given : generated);
 }
 
-int log_open_file(struct log *log)
+int log_open_file(struct log *log, enum which_log which)
 {
-    char *name = wanted_name(log);
-    const bool goes_on = log->file_name != NULL && strcmp(log->file_name, name) == 0;
-    free(log->file_name);
-    log->file_name = name;
-    const int error = open_file(log, goes_on);
+    struct log_file *file = log_file_of(log, which);
+    char *name = wanted_name(log, which);
+    const bool goes_on = file->name != NULL && strcmp(file->name, name) == 0;
+    free(file->name);
+    file->name = name;
+    const int error = open_file(log, which, goes_on);
     if (error == 0) {
-        log_terminal(log, "Logging to %s;\n", log->file_name);
+        log_terminal(log, "Logging to %s;\n", name);
     }
     return error;
 }
 
-int log_reopen_file(struct log *log)
+void log_close_file(struct log *log, enum which_log which)
 {
-    if (!log->file_is_open) {
-        return 0;
+    struct log_file *file = log_file_of(log, which);
+    if (file->is_open) {
+        (void)sink_flush(&file->sink); /* what a failing file does not take is lost */
+        stream_close(file->sink.fd);
+        file->is_open = false;
     }
-    log_close_file(log);
-    return open_file(log, true);
+    sink_fini(&file->sink);
+    sink_init(&file->sink, -1);
+    log_switched(log);
 }
 
-void log_close_file(struct log *log)
+void log_reopen_files(struct log *log)
 {
-    if (log->file_is_open) {
-        (void)sink_flush(&log->file); /* what a failing file does not take is lost */
-        stream_close(log->file.fd);
-        log->file_is_open = false;
+    for (enum which_log which = LOG_FILE; which <= LOG_JSON; which++) {
+        if (log_file_of(log, which)->is_open) {
+            log_close_file(log, which);
+            (void)open_file(log, which, true); /* a failure has been said */
+        }
     }
-    sink_fini(&log->file);
-    sink_init(&log->file, -1);
-    log_switched(log);
 }
 
 /* ------------------------------------------------------------------- rotation */
 
 /* The name of an older file, malloc: 0 is the one that is written. */
-static char *older_name(const struct log *log, int age)
+static char *older_name(const struct log_file *file, int age)
 {
-    const size_t size = strlen(log->file_name) + NAME_SUFFIX;
+    const size_t size = strlen(file->name) + NAME_SUFFIX;
     char *name = mem_new(size);
-    (void)snprintf(name, size, age == 0 ? "%s" : "%s.%d", log->file_name, age);
+    (void)snprintf(name, size, age == 0 ? "%s" : "%s.%d", file->name, age);
     return name;
 }
 
 /* Every file becomes one older; the oldest goes. */
-static void age_files(const struct log *log)
+static void age_files(const struct log_file *file, int kept)
 {
-    for (int age = log->options->kept_files; age > 0; age--) {
-        char *newer = older_name(log, age - 1);
-        char *older = older_name(log, age);
+    for (int age = kept; age > 0; age--) {
+        char *newer = older_name(file, age - 1);
+        char *older = older_name(file, age);
         (void)rename(newer, older); /* there may be none yet; what stays is written over */
         free(newer);
         free(older);
     }
 }
 
-static void start_new_file(struct log *log)
+static void start_new_file(struct log *log, enum which_log which)
 {
-    log_close_file(log);
-    age_files(log);
-    if (open_file(log, false) != 0) {
-        (void)fprintf(stderr, "ERROR: Can not open file %s.\n", log->file_name);
-    }
+    log_close_file(log, which);
+    age_files(log_file_of(log, which), log->options->kept_files);
+    (void)open_file(log, which, false); /* a failure has been said */
 }
 
 /* -------------------------------------------------------------------- writing */
 
-bool log_file_is_behind(const struct log *log)
+static bool is_behind(const struct log_file *file, const struct log_switches *on)
 {
-    const bool lazy = !log->options->file.flush && sink_waiting(&log->file) < BUFSIZ;
-    return log->file_is_open && !lazy && sink_waiting(&log->file) > 0;
+    const bool lazy = !on->flush && sink_waiting(&file->sink) < BUFSIZ;
+    return file->is_open && !lazy && sink_waiting(&file->sink) > 0;
 }
 
-void log_flush_file(struct log *log)
+bool log_files_are_behind(const struct log *log)
 {
-    if (!log_file_is_behind(log)) {
-        return;
-    }
+    return is_behind(&log->file, &log->options->file) || is_behind(&log->json, &log->options->json);
+}
+
+static void flush_file(struct log *log, enum which_log which)
+{
+    struct log_file *file = log_file_of(log, which);
     const uint64_t limit = log->options->file_bytes;
-    if (sink_flush(&log->file) < 0) {
-        (void)fprintf(stderr, "ERROR: Can not write file %s.\n", log->file_name);
-        log_close_file(log);
-    } else if (limit != 0 && log->file.left >= limit) {
-        start_new_file(log);
+    if (sink_flush(&file->sink) < 0) {
+        (void)fprintf(stderr, "ERROR: Can not write file %s.\n", file->name);
+        log_close_file(log, which);
+    } else if (limit != 0 && file->sink.left >= limit) {
+        start_new_file(log, which);
+    }
+}
+
+void log_flush_files(struct log *log)
+{
+    for (enum which_log which = LOG_FILE; which <= LOG_JSON; which++) {
+        if (is_behind(log_file_of(log, which), log_switches_of(log, which))) {
+            flush_file(log, which);
+        }
     }
 }

@@ -106,9 +106,7 @@ static void take_signals(struct loop *loop)
             loop->signal = number;
             return;
         }
-        if (log_reopen_file(&loop->server->log) != 0) {
-            (void)fprintf(stderr, "ERROR: Can not open file %s.\n", loop->server->log.file_name);
-        }
+        log_reopen_files(&loop->server->log);
     }
 }
 
@@ -235,7 +233,7 @@ static int64_t time_to_wait(const struct loop *loop, uint64_t until)
     until = earlier(until, listeners_deadline_ns(&loop->listeners));
     until = earlier(until, metrics_server_deadline_ns(&loop->metrics));
     if ((sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) ||
-        log_file_is_behind(&server->log)) {
+        log_files_are_behind(&server->log)) {
         until = earlier(until, server->now_ns + 100 * MS_NS);
     }
     if (until == UINT64_MAX) {

@@ -22,7 +22,7 @@
  *         watch           new values to those who watch
  *         deliver, answer frames on their way out
  *           outbox        links, and which of them to flush
- *     log, log_dispatch   every line that is written            log_variables, sink, text
+ *     log, log_*          every line that is written            sink, text
  *     message, handler, module, resource, dispatch              what there is
  *       namesakes, pool                                         how it is found and kept
  *
@@ -58,17 +58,11 @@ static enum options_result parse(struct options *options, int count, char **argu
     return result;
 }
 
-static int open_log(struct server *server, struct console *console)
+static int open_logs(struct log *log, struct console *console)
 {
-    if (!log_wants_file(&server->log)) {
-        return 0;
-    }
-    if (log_open_file(&server->log) == 0) {
-        console_log_opened(console);
-        return 0;
-    }
-    (void)fprintf(stderr, "ERROR: Can not open file %s.\n\n", server->log.file_name);
-    return ERR_IO;
+    const bool fails = (log_wants_file(log, LOG_JSON) && log_open_file(log, LOG_JSON) != 0) ||
+                       (log_wants_file(log, LOG_FILE) && console_open_log(console) != 0);
+    return fails ? ERR_IO : 0;
 }
 
 static int start(struct server *server, struct loop *loop)
@@ -77,7 +71,7 @@ static int start(struct server *server, struct loop *loop)
         (void)fprintf(stderr, "ERROR: %s\n", strerror(errno));
         return ERR_IO;
     }
-    if (open_log(server, &loop->console) != 0) {
+    if (open_logs(&server->log, &loop->console) != 0) {
         return ERR_IO;
     }
     return opening_open(loop);

@@ -81,6 +81,11 @@ static void switch_log(struct log_switches *on, const char *letters)
     }
 }
 
+bool switches_want_file(const struct log_switches *on)
+{
+    return on->messages || on->status || on->data || on->time || on->summary;
+}
+
 static int switch_terminal(const struct action *action)
 {
     switch_log(&action->options->terminal, action->value);
@@ -93,6 +98,22 @@ static int switch_terminal(const struct action *action)
 static int switch_file(const struct action *action)
 {
     switch_log(&action->options->file, action->value);
+    return 0;
+}
+
+static int switch_json(const struct action *action)
+{
+    switch_log(&action->options->json, action->value);
+    return 0;
+}
+
+static int name_json(const struct action *action)
+{
+    free(action->options->json_name);
+    action->options->json_name = mem_copy_string(action->value);
+    if (!switches_want_file(&action->options->json)) {
+        switch_log(&action->options->json, "msdi");
+    }
     return 0;
 }
 
@@ -416,8 +437,14 @@ static const struct option table[] = {
     {'f', "log-file", "=<file>", "-f", USE_ANYWHERE, name_file,
      "filename to use for logging.\n"
      "     If not specified, name is automatically generated.\n"},
+    {'\0', "json-log", "[=<letters>]", NULL, USE_ANYWHERE, switch_json,
+     "logging into a file for programs, one JSON object a line;\n"
+     "     letters are those of -L, the default is x, and msdi with --json-file\n"},
+    {'\0', "json-file", "=<file>", NULL, USE_ANYWHERE, name_json,
+     "filename to use for logging JSON.\n"
+     "     If not specified, name is automatically generated.\n"},
     {'\0', "log-size", "=<bytes>", NULL, USE_ANYWHERE, choose_file_size,
-     "begin a new log file when it has this size;\n"
+     "begin a new file, of either kind, when it has this size;\n"
      "     the old ones are called <file>.1, <file>.2 and so on - the default is: never\n"},
     {'\0', "log-keep", "=<number>", NULL, USE_ANYWHERE, choose_kept_files,
      "old log files that are kept - the default is: 5\n"},
@@ -612,6 +639,7 @@ void options_init(struct options *options)
     options->terminal.flush = true;
     options->kept_files = DEFAULT_KEPT;
     options->file.ignore = options->file.flush = true;
+    options->json.ignore = options->json.flush = true;
     limits_init(&options->limits);
     list_init(&options->ignored);
 }
@@ -629,6 +657,7 @@ void options_fini(struct options *options)
     free(options->pid_file);
     free(options->port_file);
     free(options->metrics);
+    free(options->json_name);
 }
 
 static bool is_digit(char c)

@@ -16,7 +16,7 @@
 #include "base/list.h"
 #include "central/limits.h"
 
-/* What one of the two logs shows. */
+/* What one of the logs shows. */
 struct log_switches {
     bool messages;
     bool status;
@@ -48,7 +48,9 @@ struct options {
     bool resend;
     struct log_switches terminal;
     struct log_switches file;
+    struct log_switches json;
     char *file_name;     /* owned; NULL: generated */
+    char *json_name;     /* owned; NULL: generated */
     uint64_t file_bytes; /* of the log file, where a new one begins; 0: never */
     int kept_files;      /* older ones that stay */
     struct list ignored; /* of struct ignored_name, in the order given */
@@ -67,6 +69,9 @@ struct options {
     char *port_file;
     char *metrics; /* address that numbers are shown at */
 };
+
+/* Whether they are of any use only with a file. */
+bool switches_want_file(const struct log_switches *on);
 
 void options_init(struct options *options);
 void options_fini(struct options *options);

@@ -95,4 +95,8 @@ struct local_time {
 
 void clock_local(struct local_time *time);
 
+/* Universal time to the nanosecond, as in 2026-11-25T03:40:30.123456789Z. */
+enum { CLOCK_UTC_SIZE = 40 };
+void clock_utc(char text[CLOCK_UTC_SIZE]);
+
 #endif

@@ -279,7 +279,7 @@ static void a_log_that_is_not_wanted_is_closed_and_goes_on_later(void **state)
     open_fixture(&f);
     (void)answer_to(&f, "-LmiN -fconsole_test.log\nclose nobody\n");
     (void)answer_to(&f, "-Lx\nclose somebody\n");
-    assert_false(f.station.server.log.file_is_open);
+    assert_false(f.station.server.log.file.is_open);
     assert_non_null(strstr(answer_to(&f, "-LsN\n"), "Logging to console_test.log;\n"));
     (void)answer_to(&f, "close anybody\n");
     log_close(&f.station.server.log);
