@@ -68,11 +68,11 @@ static enum access_answer ask_about_user(struct access *access, int fd)
 static enum rules_answer ask_rules(const struct access *access, int fd, const char *address,
                                    const char *name)
 {
+    const struct options *options = access->server->options;
     char own_address[NET_NAME_SIZE];
     net_own_address(fd, own_address, sizeof own_address);
     const struct rules_question question = {
-        SERVICE_NAME, access->server->options->allow_file, access->server->options->deny_file, address, name,
-        own_address};
+        SERVICE_NAME, options->allow_file, options->deny_file, address, name, own_address};
     return rules_ask(&question);
 }
 
@@ -106,12 +106,15 @@ static enum access_answer wait_for_name(struct access *access, int fd, const cha
     return ACCESS_LATER;
 }
 
-enum access_answer access_ask(struct access *access, int fd)
+static enum access_answer ask_about_address(struct access *access, int fd)
 {
     char address[NET_NAME_SIZE];
+    if (!rules_are_known()) {
+        return ACCESS_GRANTED;
+    }
     net_peer_address(fd, address, sizeof address);
     if (address[0] == '\0') {
-        return ask_about_user(access, fd);
+        return refuse(access, fd, "unknown"); /* it has gone, but what it has sent could be read */
     }
     switch (ask_rules(access, fd, address, NULL)) {
     case RULES_ALLOW:
@@ -125,6 +128,11 @@ enum access_answer access_ask(struct access *access, int fd)
         return decide(access, fd, address, ""); /* as if the look-up had taken too long */
     }
     return wait_for_name(access, fd, address);
+}
+
+enum access_answer access_ask(struct access *access, int fd, bool local)
+{
+    return local ? ask_about_user(access, fd) : ask_about_address(access, fd);
 }
 
 /* --------------------------------------------------------------- those that wait */

@@ -32,8 +32,8 @@ enum access_answer {
     ACCESS_LATER    /* the connection is kept: see access_next */
 };
 
-/* Decides about a connection that has just been accepted. */
-enum access_answer access_ask(struct access *access, int fd);
+/* Decides about a connection that has just been accepted, from a Unix socket (local) or TCP. */
+enum access_answer access_ask(struct access *access, int fd, bool local);
 
 /* Whether anything has happened to those that wait since access_next last found none. */
 bool access_has_news(const struct access *access);

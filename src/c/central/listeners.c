@@ -202,14 +202,14 @@ static void refuse(struct listeners *listeners)
     listeners->server->statistics.n_without_descriptor++;
 }
 
-static void receive(struct listeners *listeners, int fd)
+static void receive(struct listeners *listeners, int fd, bool local)
 {
     if (!lend_spare(listeners)) {
         net_close(fd);
         refuse(listeners);
         return;
     }
-    const enum access_answer answer = access_ask(&listeners->access, fd);
+    const enum access_answer answer = access_ask(&listeners->access, fd, local);
     take_spare_back(listeners);
     if (answer == ACCESS_GRANTED) {
         add_connection(listeners, fd);
@@ -236,7 +236,7 @@ static int accept_one(struct listeners *listeners, int listener)
     int fd;
     int result = net_accept(listener, &fd);
     if (result == 0) {
-        receive(listeners, fd);
+        receive(listeners, fd, listener == listeners->local.fd);
     } else if (result == ERR_LIMIT) {
         result = net_refuse(listener, &listeners->spare);
         if (result == 0) {

@@ -494,7 +494,7 @@ void net_host_name(char *name, size_t size)
 }
 
 /* The text of an address, "" for those that are not of the Internet.  An IPv4 address in IPv6's
- * clothing is shown as what it is. */
+ * clothing is shown as what it is, and a link's address without its link. */
 static void write_address(const struct sockaddr_storage *address, socklen_t length, char *name,
                           size_t size)
 {
@@ -507,6 +507,7 @@ static void write_address(const struct sockaddr_storage *address, socklen_t leng
                     NI_NUMERICHOST) != 0) {
         name[0] = '\0';
     }
+    name[strcspn(name, "%")] = '\0';
     if (strncmp(name, mapped, sizeof mapped - 1) == 0 && strchr(name, '.') != NULL) {
         memmove(name, name + sizeof mapped - 1, strlen(name) - (sizeof mapped - 1) + 1);
     }
