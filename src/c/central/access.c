@@ -59,7 +59,8 @@ static enum access_answer ask_about_user(struct access *access, int fd)
         return refuse(access, fd, "an unknown user");
     }
     (void)snprintf(who, sizeof who, "user %" PRId64, user);
-    return may_connect(access->server->options, fd, user) ? ACCESS_GRANTED : refuse(access, fd, who);
+    return may_connect(access->server->options, fd, user) ? ACCESS_GRANTED
+                                                          : refuse(access, fd, who);
 }
 
 /* ------------------------------------------------------------------------- TCP */

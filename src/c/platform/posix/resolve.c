@@ -123,7 +123,7 @@ static void *carry_out(void *argument)
     resolver->n_threads--;
     resolver->n_done++;
     if (resolver->waker != NULL) {
-        waker_wake(resolver->waker); /* if this one is forgotten, another may have waited for its turn */
+        waker_wake(resolver->waker); /* even if this one is forgotten: another may wait for its turn */
     }
     let_go(resolver);
     if (forgotten) {
