@@ -139,7 +139,7 @@ def test_a_module_that_is_refused_is_told_so(guarded, rules, start_driver):
     rules.write(deny=EVERYBODY)
     driver = start_driver()
     driver.must("verbosity", 1)
-    answer = driver.do("connect", driver.name, guarded.address)
+    answer = driver.do("connect", driver.name, guarded.address, seconds=6 * PATIENCE)
     assert answer.result.startswith("Error")
     assert driver.do("is_connected").result == "0"
     guarded.wait_for_line(REFUSED)
