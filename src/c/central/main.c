@@ -5,7 +5,7 @@
  *
  *     main                options, start, end, exit status
  *       loop              sockets, streams, signals; one turn after another
- *         console         typed commands                        comments, options, statistics
+ *         console         typed commands                        comments, options, statistics, tables
  *         conversation    bytes to frames, a turn of each connection
  *           route         who gets a message                    tap
  *           completion    what modules report about deliveries
