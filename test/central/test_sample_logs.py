@@ -7,15 +7,16 @@ import os
 import re
 import signal
 import struct
+import subprocess
 
 import pytest
 
-from support import codec
+from support import codec, messages
 from support.frame import BROADCAST
 from support.peer import Peer
 from support.processes import Process
-from support.scene import Actor, masked, mended
-from support.waiting import wait_until
+from support.scene import ADDRESS, Actor, masked, mended
+from support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.new_central("the samples are its own, but for the line ends")
 
@@ -107,6 +108,52 @@ def test_02_the_letters_for_viewers(scene):
     run = robot(scene, "-lx -LmtirN -fsample.log")
     ping_twice(*run)
     assert_same(run[0].end(), "02-file-viewer-options.log")
+
+
+def test_03_everything(scene):
+    scene = scene("-lx -L -fsample.log")
+    planner, = scene.join("Planner", listen=False)
+    planner.define("Ping")
+    planner.subscribe_to("Ping")
+    planner.handle()
+    planner.publish_number("Ping", 5)
+    planner.handle(ask=False)
+    planner.leave()
+
+    def unbroken(text):
+        """Data in one line: where it breaks depends on the numbers of messages."""
+        return re.sub(r", ?\n {5}", ", ", text).replace("\n     ", "")
+
+    assert_same(unbroken(scene.end()), "03-file-everything.log", unbroken)
+
+
+def pause(scene, count):
+    """Waits until central has handled so many messages: without a word to it, which would count."""
+    scene.until(f"\n{count:5}: Msg: ")
+
+
+def test_04_all_letters(scene):
+    scene = scene("-lx -LmstdhirpN -fsample.log")
+    planner, arm, camera = scene.join("Planner", "Arm", "Camera", listen=False)
+    planner.define("Ping")
+    pause(scene, 83)
+    arm.subscribe_to("Ping")
+    pause(scene, 84)
+    camera.subscribe_to("Ping")
+    pause(scene, 85)
+    for number, actor in enumerate((planner, arm, camera)):
+        actor.handle()
+        pause(scene, 87 + 2 * number)
+    planner.publish_number("Ping", 1)
+    planner.publish_number("Ping", 2)
+    pause(scene, 94)
+    for number, actor in enumerate((arm, camera)):
+        actor.handle(2)
+        pause(scene, 97 + 3 * number)
+    camera.leave()
+    pause(scene, 102)
+    arm.leave()
+    assert_same(scene.end(), "04-file-all-letters.log")
 
 
 def test_05_parents_are_the_deliveries_that_were_being_handled(scene):
@@ -310,6 +357,126 @@ def encoded(fmt, value):
     return codec.encode(fmt, value, "<")
 
 
+def dialogue(text):
+    """A sample of a terminal as a pipe has it: without what was typed, and up to the end."""
+    text = text.split("> quit\n")[0] + "> "
+    text = text.replace("\nstatus\n", "\n", 1)
+    return re.sub(r"^> (\n|\S.*\n)", "> ", text, flags=re.MULTILINE)
+
+
+def without_news(text):
+    """The listing of commands without those that the original does not have."""
+    return re.sub(r"^(modules|messages|queues) .*\n|^(Connections|Dropped) *: .*\n", "", text,
+                  flags=re.MULTILINE)
+
+
+def test_14_commands(scene):
+    scene = scene("-lmsi", console=True)
+    planner, arm, camera = scene.join("Planner", "Arm", "Camera")
+    for name in ("Ping", "Where"):
+        planner.define(name)
+        planner.sync()
+        arm.subscribe_to(name, 100 + len(name))
+        scene.listen(planner, arm, camera)
+    planner.publish_number("Ping", 1)
+    planner.publish_number("Ping", 2)
+    planner.query_number("Where", 3)
+    planner.sync()
+    lines = ("status", "display", "memory", "", "foo", "close Nobody", "-lx",
+             "-LmtirN -ftest.log", "status")
+    for line in lines:
+        scene.central.write_line(line)
+    wait_until(lambda: "\n".join(scene.central.stdout).count("Resource status") == 2, "status")
+    arm.take(2)
+    arm.respond_number(arm.next_delivery(), "Ping", 4)
+    camera.notice("x_ipc_registerResourceMsg", (1, "Gripper"))
+    camera.sync()
+    planner.request("x_ipc_lockResourceMsg", "Gripper")
+    arm.sync()
+    for line in ("status", "display", "close Camera", "status"):
+        scene.central.write_line(line)
+    wait_until(lambda: "\n".join(scene.central.stdout).count("Resource status") == 4, "status")
+    scene.central.write_line("quit")
+    assert scene.central.wait() == 0
+    scene.central.stop_quietly()
+
+    def comparable(text):
+        text = re.sub(r"(?m)^(  Requests|  Total|  M\w\w Request).*$", r"\1", masked(text))
+        blocks = re.split(r"(?m)^((?:  ?\S.* (?:Status: |\{N\}).*\n)+)", text)
+        return "".join("".join(sorted(block.splitlines(True))) if " Status: " in block
+                       or "{N}: " in block else block for block in blocks).split("\n")
+
+    actual = without_news("\n".join(scene.central.stdout))
+    assert comparable(actual) == comparable(dialogue(sample("14-terminal-dialogue.log")))
+
+
+def direct_join(scene, name, port):
+    """The handshake of the original library in direct mode."""
+    actor = scene.stack.enter_context(Actor(scene.central, name))
+    actor.read_prelude()
+    for cls in messages.CLASS_FORMATS:
+        actor.request("x_ipc_classInfoMsg", cls)
+    actor.introduce()
+    assert actor.direct
+    actor.notice("x_ipc_directResMsg", (port, name))
+    variables = ("CENTRAL_TERMINAL_LOG_VAR", "CENTRAL_FILE_LOG_VAR", messages.TAPPED)
+    for variable in (*variables, messages.BROADCASTS):
+        actor.request("V_get_" + variable)
+    for number, variable in enumerate(variables):
+        actor.subscribe("V_watch_" + variable, 190 + number, "V_watch_" + variable)
+    for variable in variables:
+        actor.notice("x_ipc_limitPendingMsg", (variable, name, 1))
+    actor.subscribe(messages.WATCH_BROADCASTS, 199, messages.WATCH_BROADCASTS)
+    actor.notice("x_ipc_limitPendingMsg", (messages.BROADCASTS, name, 1))
+    actor.ready()
+    return actor
+
+
+def test_15_direct_mode(scene):
+    """The messages themselves do not appear."""
+    scene = scene("-lx -LmsN -fsample.log -c")
+    planner = direct_join(scene, "Planner", 8002)
+    arm = direct_join(scene, "Arm", 8003)
+    planner.define("Ping")
+    scene.until("Done    x_ipc_registerMessageMsg")
+    arm.subscribe_to("Ping")
+    for number, actor in enumerate((planner, arm), 1):
+        actor.handle()
+        scene.until("  Done    V_watch_X_IPC_BROADCAST_MSG_VAR:", number)
+    assert planner.id_of("Ping") < 0
+    planner.request("x_ipc_directMsgQuery", "Ping")
+    planner.subscribe("V_watch_Ping", 150, "V_watch_Ping")
+    planner.handle(ask=False)
+    scene.until("  Done    V_watch_X_IPC_BROADCAST_MSG_VAR:", 3)
+    arm.look_up("Ping", f"HND-Ping{ADDRESS}")
+    arm.handle(ask=False)
+    scene.until("  Done    V_watch_X_IPC_BROADCAST_MSG_VAR:", 4)
+    arm.leave()
+    scene.until("  Done     x_ipc_CloseMsg:")
+    # A new list of subscribed messages overtakes what waits: no wait for the module.
+    assert_same(scene.end(), "15-direct-mode.log", lambda text: text.replace(
+        "--> Resource Planner (Pending)", "--> Planner         (Sent)"))
+
+
+def test_16_a_query_with_two_handlers(scene):
+    """The original ended here; now one of them gets it."""
+    scene = scene("-lmsi")
+    planner, arm, camera = scene.join("Planner", "Arm", "Camera")
+    planner.define("Where")
+    planner.sync()
+    for actor in (arm, camera):
+        actor.subscribe_to("Where")
+        scene.listen(planner, arm, camera)
+    planner.query_number("Where", 1)
+    arm.handle()
+    arm.sync()
+    scene.end()
+    expected = sample("16-fatal-two-query-handlers.log").split("ERROR")[0] + (
+        "Query               Where:    Planner --> Arm             (Sent)\n"
+        "  Done              Where:\nCentral Abort : Signal 15")
+    assert masked("\n".join(scene.central.stdout)) == masked(expected)
+
+
 def test_17_a_port_that_is_taken(central, central_program, stack):
     second = stack.enter_context(Process([central_program, "-u", f"-p{central.port}"]))
     assert second.wait() == 1
@@ -328,6 +495,41 @@ def test_17b_a_server_that_is_stopped(central):
     assert [line.split(":")[0].rstrip() for line in central.stderr[:6]] == [
         "Cumulative Memory Usage", "  Requests", "Data Msg Buffer Stats", "  Total Alloc",
         "  Total Freed", "  Min Request"]
+
+
+def test_19_the_listing_of_options(central_program):
+    done = subprocess.run([central_program, "-h"], capture_output=True, text=True, check=True,
+                          timeout=PATIENCE, stdin=subprocess.DEVNULL)
+    expected = sample("19-option-listing.log").split("\n")
+    assert done.stdout.split("\n")[1:] == expected[1:]
+    assert done.stdout.split("\n")[0] == f"{central_program} command line options:"
+    assert done.stderr == ""
+
+
+def test_19b_the_version(central_program):
+    done = subprocess.run([central_program, "-v"], capture_output=True, text=True, check=True,
+                          timeout=PATIENCE, stdin=subprocess.DEVNULL)
+    assert done.stdout == ""
+    assert re.fullmatch(r"Task Control Server \d+\.\d+\.\d+ \n Released : \w{3}-\d\d-\d\d\n"
+                        r" Commited : \$Date: .*\$\n Compiled : \w{3} \d\d \d{4} \d\d:\d\d:\d\d\n",
+                        done.stderr)
+
+
+def test_20_summaries(scene):
+    scene = scene("-lx -LmthiN -fsample.log")
+    planner, arm = scene.join("Planner", "Arm", listen=False)
+    planner.define("Ping")
+    pause(scene, 56)
+    arm.subscribe_to("Ping")
+    pause(scene, 57)
+    for number, actor in enumerate((planner, arm)):
+        actor.handle()
+        pause(scene, 59 + 2 * number)
+    for number in range(4):
+        planner.publish_number("Ping", number)
+        arm.handle()
+        pause(scene, 65 + 2 * number)
+    assert_same(scene.end(), "20-handle-summary.log")
 
 
 def test_21_the_start_with_everything_shown(start_central):
