@@ -110,6 +110,16 @@ def test_02_the_letters_for_viewers(scene):
     assert_same(run[0].end(), "02-file-viewer-options.log")
 
 
+def unbroken(text):
+    """Data in one line, as where it breaks depends on the numbers of messages; no address of the
+    open file, and no empty places in lists of names, both of which the original sends."""
+    text = re.sub(r"\{\*-?\d{4,}, ", "{NULL, ", text)
+    text = re.sub(r", ?\n {5}", ", ", text).replace("\n     ", "")
+    text = re.sub(r"\{(\d+), \d+, <(?:, )?((?:(?!NULL)[^>])*?)(?:, )?(?:\"NULL\"(?:, )?)*>\}",
+                  r"{\1, <\2>}", text)
+    return re.sub(r"\{0, 0, NULL\}", "{0, <>}", text)
+
+
 def test_03_everything(scene):
     scene = scene("-lx -L -fsample.log")
     planner, = scene.join("Planner", listen=False)
@@ -119,12 +129,10 @@ def test_03_everything(scene):
     planner.publish_number("Ping", 5)
     planner.handle(ask=False)
     planner.leave()
-
-    def unbroken(text):
-        """Data in one line: where it breaks depends on the numbers of messages."""
-        return re.sub(r", ?\n {5}", ", ", text).replace("\n     ", "")
-
-    assert_same(unbroken(scene.end()), "03-file-everything.log", unbroken)
+    # The original changes the list of broadcasts once for each subscription that ends.
+    assert_same(unbroken(scene.end()), "03-file-everything.log", lambda text: re.sub(
+        r"Inform    V_set_X_IPC_BROADCAST_MSG_VAR: .*\n    \{1, <\"Ping\">\}\n  Done .*\n", "",
+        unbroken(text)))
 
 
 def pause(scene, count):
