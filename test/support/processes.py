@@ -168,13 +168,20 @@ def free_port():
 
 
 class Central(Process):
-    """A central on a port of its own."""
+    """A central on a port of its own.
 
-    def __init__(self, program, *options, original=False, **popen):
+    With console=True it reads commands from its standard input, a pipe unless stdin says otherwise.
+    """
+
+    def __init__(self, program, *options, original=False, console=False, **popen):
         self.original = original
         self._stopped = False
         port = free_port() if original else 0
-        super().__init__([program, f"-p{port}", "-u", *options], **popen)
+        if console:
+            popen.setdefault("stdin", subprocess.PIPE)
+        else:
+            options = ("-u", *options)
+        super().__init__([program, f"-p{port}", *options], **popen)
         try:
             announced = int(self.wait_for_line(r"Expecting \d+ on port (\d+)").group(1))
         except TimedOut:
@@ -188,6 +195,11 @@ class Central(Process):
         """The exit status of a central that is meant to end by itself."""
         self._stopped = True
         return self.wait(seconds)
+
+    def stop_quietly(self):
+        """Ends central, which may have ended already as the test wanted."""
+        self._stopped = True
+        super().stop()
 
     def stop(self):
         """Ends central; complains if it had ended by itself."""

@@ -13,6 +13,7 @@
 #include "central/log_variables.h"
 #include "central/resend.h"
 #include "central/statistics.h"
+#include "central/tables.h"
 #include "central/version.h"
 
 enum { LIMIT_LINE = 64 * 1024 };
@@ -137,6 +138,32 @@ static void show_dispatches(struct console *console, const char *argument)
     }
 }
 
+static void show_modules(struct console *console, const char *argument)
+{
+    struct buffer text;
+    (void)argument;
+    buffer_init(&text);
+    tables_modules(console->server, &text);
+    show(console, &text);
+}
+
+static void show_messages(struct console *console, const char *argument)
+{
+    struct buffer text;
+    buffer_init(&text);
+    tables_messages(console->server, &text, strcmp(argument, "all") == 0);
+    show(console, &text);
+}
+
+static void show_queues(struct console *console, const char *argument)
+{
+    struct buffer text;
+    (void)argument;
+    buffer_init(&text);
+    tables_queues(console->server, &text);
+    show(console, &text);
+}
+
 static void show_memory(struct console *console, const char *argument)
 {
     struct buffer text;
@@ -218,6 +245,12 @@ static const struct command commands[] = {
     {"unlock", "unlock <resource>: Unlock a locked resouce.\n", unlock},
     {"dump", NULL, dump},
     {"quit", NULL, quit},
+    {"modules", "modules : Display what the connected modules send and get.\n", show_modules},
+    {"messages",
+     "messages [all]: Display how often messages are sent, and what waits of them.\n",
+     show_messages},
+    {"queues", "queues : Display what is under way to the modules, and what waits.\n",
+     show_queues},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };

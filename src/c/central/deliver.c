@@ -31,6 +31,8 @@ static void queue_frame(struct server *server, const struct dispatch *dispatch)
     frame.parent = dispatch->parent;
     frame.intent = dispatch->handler->id;
     frame.reference = (int32_t)dispatch->id;
+    dispatch->message->delivered++;
+    meter_add(&dispatch->handler->module->gets, server->now_ns, dispatch->data_length);
     outbox_queue(server, dispatch->handler->module, &frame,
                  dispatch->message->kind == MESSAGE_WATCH ? OUTBOX_FIRST : OUTBOX_NORMAL);
 }

@@ -73,6 +73,10 @@ static struct dispatch *dispatch_of(struct pending_item *item)
 static void drop(struct server *server, struct dispatch *dispatch)
 {
     server->statistics.n_dropped++;
+    dispatch->message->dropped++;
+    if (dispatch->resource != NULL) {
+        dispatch->resource->dropped++;
+    }
     dispatch_free(&server->dispatches, dispatch);
 }
 

@@ -9,7 +9,7 @@
  *         listeners       newcomers                             access
  *         metrics_server  numbers for programs that watch       metrics
  *         presence        files, and signs of life to a supervisor
- *         console         typed commands                        comments, options, statistics
+ *         console         typed commands                        comments, options, statistics, tables
  *         conversation    bytes to frames, a turn of each connection
  *           route         who gets a message                    tap
  *           completion    what modules report about deliveries

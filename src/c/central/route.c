@@ -35,6 +35,7 @@ static void route_to_taps(struct server *server, struct module *sender, const st
 void route_broadcast(struct server *server, struct module *sender, const struct frame *frame,
                      struct message *message)
 {
+    meter_add(&message->published, server->now_ns, frame->data_length);
     route_copies(server, sender, frame, message);
     if (!list_is_empty(&message->taps)) {
         route_to_taps(server, sender, frame, message);
@@ -63,6 +64,7 @@ void route_to_one(struct server *server, struct module *sender, const struct fra
 {
     struct block *shared = frame->block == NULL ? NULL : block_ref(frame->block);
     struct dispatch *dispatch = dispatch_new(&server->dispatches, message, sender, frame);
+    meter_add(&message->published, server->now_ns, frame->data_length);
     dispatch->handler = route_choose(server, message, sender);
     if (dispatch->handler != NULL) {
         flow_enter(server, dispatch, &shared);

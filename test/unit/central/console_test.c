@@ -90,8 +90,9 @@ static void unknown_commands_get_the_listing(void **state)
                                         "The following command are available:\n"
                                         "help: print this message.\n"
                                         "display : Display active and pending messages.\n"));
-    assert_non_null(strstr(text, "unlock <resource>: Unlock a locked resouce.\nThe following "
-                                 "command line options can also be used as commands\n -v: "));
+    assert_non_null(strstr(text, "unlock <resource>: Unlock a locked resouce.\nmodules : "));
+    assert_non_null(strstr(text, "what waits.\nThe following command line options can also be used "
+                                 "as commands\n -v: "));
     assert_null(strstr(text, "-p<port>"));
     assert_int_equal(strncmp(answer_to(&f, "?\n"), "\nThe following command", 22), 0);
     close_fixture(&f);
@@ -148,6 +149,46 @@ static void options_can_be_typed(void **state)
     assert_non_null(strstr(station_log(&f.station), "  Done               Ping:\n"));
     assert_string_equal(answer_to(&f, "-u\nstatus\n"),
                         "Task Control Server " IPC_VERSION " (" IPC_RELEASE_DATE ")\n");
+    close_fixture(&f);
+}
+
+static void tables_of_what_goes_through(void **state)
+{
+    struct fixture f;
+    (void)state;
+    open_fixture(&f);
+    peer_set_limit(&f.arm, "Ping", 1);
+    station_pass_time(&f.station, 10);
+    for (int number = 1; number <= 3; number++) {
+        peer_publish(&f.planner, "Ping", number);
+    }
+    peer_define(&f.planner, "Where", "int");
+    station_run(&f.station);
+    (void)peer_query(&f.planner, "Where", 5);
+    station_run(&f.station);
+    (void)station_log(&f.station);
+    assert_string_equal(
+        answer_to(&f, "queues\n"),
+        "Resource     State  Capacity    Active   Waiting     bytes   Dropped Held back\n"
+        "Planner     Active         1         0         0         0         0         0\n"
+        "Arm         Active         1         1         1        12         1         0\n"
+        "Where    no handler         0         0         1        12         0         0\n"
+        "> ");
+    assert_string_equal(
+        answer_to(&f, "messages\n"),
+        "Message  Handlers      Sent     per s     bytes   bytes/s Delivered   Waiting   Dropped\n"
+        "Ping            1         3         3        36        36         1         1         1\n"
+        "Where           0         1         1        12        12         0         1         0\n"
+        "> ");
+    assert_non_null(strstr(answer_to(&f, "messages all\n"), "\nx_ipc_lockResourceMsg"));
+    const char *text = answer_to(&f, "modules\n");
+    assert_ptr_equal(text, strstr(text, "Module  Host      State     Sends     per s     bytes   "
+                                        "bytes/s      Gets     per s     bytes   bytes/s    "
+                                        "Unread\nPlanner robot     ready "));
+    assert_non_null(strstr(text, "\nArm     robot     ready "));
+    station_pass_time(&f.station, 10);
+    assert_non_null(strstr(answer_to(&f, "messages\n"),
+                           "Ping            1         3         0        36         0  "));
     close_fixture(&f);
 }
 
@@ -310,6 +351,7 @@ int main(void)
         cmocka_unit_test(modules_can_be_closed),
         cmocka_unit_test(locks_can_be_released_by_resource_or_holder),
         cmocka_unit_test(options_can_be_typed),
+        cmocka_unit_test(tables_of_what_goes_through),
         cmocka_unit_test(memory_and_quit),
         cmocka_unit_test(endless_lines_are_dropped),
         cmocka_unit_test(comments_are_asked_for_at_a_terminal),
