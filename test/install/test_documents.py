@@ -49,3 +49,11 @@ def test_the_first_program_of_the_readme_works(build, installation, central, tmp
         tmp_path / "hello", *flags)
     said = run(tmp_path / "hello", env={**installation.env, "CENTRALHOST": central.address})
     assert said.endswith("position: 1.5 2.5\n")
+
+
+def test_the_options_that_the_chapter_on_central_names_exist(central_program):
+    listed = set(re.findall(r"--[\w-]+", run(central_program, "--help")))
+    foreign = {"--now", "--option", "--limit-"}  # of systemctl, and in general
+    named = set(re.findall(r"--[a-z][\w-]*", text_of("docs/operation.md"))) - foreign
+    assert len(named) > 8
+    assert named <= listed
