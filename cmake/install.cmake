@@ -18,6 +18,16 @@ if(TARGET central)
     file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
     set_target_properties(killCentral killModule PROPERTIES INSTALL_RPATH $ORIGIN/${bin_to_lib})
 endif()
+if(TARGET central AND CMAKE_SYSTEM_NAME STREQUAL "Linux")
+    set(units ${PROJECT_BINARY_DIR}/src/c/central/systemd)
+    # The prefix may be another one than when the build was configured.
+    install(CODE "
+        set(CENTRAL_BINDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\")
+        configure_file(\"${PROJECT_SOURCE_DIR}/src/c/central/systemd/central.service.in\"
+            \"${units}/central.service\" @ONLY)")
+    install(FILES ${units}/central.service ${units}/central.socket
+        DESTINATION ${IPC_SYSTEMD_UNIT_DIR})
+endif()
 if(TARGET xdrgen)
     install(TARGETS xdrgen EXPORT ipcTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
     install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/xdrgen.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)

@@ -161,9 +161,23 @@ def start_driver(stack, compiler, library):
     """Starts modules that are built on the library under test, or on another one."""
     def start(name="DRIVER", *, using=None, **options):
         program = compiler.program(driver_module.SOURCE, using or library,
-                                   flags=["-std=c99", "-D_POSIX_C_SOURCE=200809L"])
+                                   flags=driver_module.FLAGS)
         return stack.enter_context(
             driver_module.Driver(program, using or library, name=name, **options))
+    return start
+
+
+@pytest.fixture
+def start_driver_on(stack, compiler, library):
+    """Starts modules on a machine of another name, in a network of other names; see
+    named_host.c."""
+    def start(own_name, hosts=(), *, default_port="", env=None):
+        program = compiler.program(
+            [driver_module.SOURCE, driver_module.NAMED_HOST], library, name="named_driver",
+            flags=[*driver_module.FLAGS, "-rdynamic", "-ldl"])
+        return stack.enter_context(driver_module.Driver(program, library, env={
+            "IPC_TEST_OWN_NAME": own_name, "IPC_TEST_HOSTS": " ".join(hosts),
+            "IPC_TEST_DEFAULT_PORT": str(default_port), **(env or {})}))
     return start
 
 

@@ -1,10 +1,10 @@
-"""The documents: their links lead somewhere."""
+"""The documents: their links lead somewhere, and what they name exists."""
 import os
 import re
 
 import pytest
 
-from install.tools import ROOT, links_to_files
+from install.tools import ROOT, links_to_files, run
 
 
 def documents():
@@ -48,3 +48,11 @@ def test_files_that_the_map_of_the_code_names_exist():
     missing = [name for name in names
                if not any(os.path.exists(os.path.join(ROOT, place, name)) for place in places)]
     assert not missing
+
+
+def test_the_options_that_the_chapter_on_central_names_exist(central_program):
+    listed = set(re.findall(r"--[\w-]+", run(central_program, "--help")))
+    foreign = {"--now", "--option", "--limit-"}  # of systemctl, and in general
+    named = set(re.findall(r"--[a-z][\w-]*", text_of("docs/operation.md"))) - foreign
+    assert len(named) > 8
+    assert named <= listed

@@ -26,7 +26,9 @@ def modules(mix, mixed_central, start_program):
         program = start_program(os.path.join(EXAMPLES, f"{name}.c"), library, central)
         program.wait_for_line("^Type 'q' to quit|^Type 'm' to send")
         if library.original:
-            # It does not see what comes before it has begun to listen.
+            # It takes in the list of subscribed messages only while it listens, and drops what it
+            # publishes before.  Nothing that can be seen from outside tells that it has begun:
+            # it also acknowledges lists inside calls that ask central.
             time.sleep(0.2 * SLOW)
         started.append(program)
     return started[1], started[0], central

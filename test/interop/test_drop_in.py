@@ -1,9 +1,7 @@
 """A program that was linked with one library runs with the other."""
 import pytest
 
-from support.driver import Driver, SOURCE, data_in
-
-FLAGS = ["-std=c99", "-D_POSIX_C_SOURCE=200809L"]
+from support.driver import Driver, FLAGS, SOURCE, data_in
 
 
 @pytest.mark.parametrize("linked", ["ours", "theirs"])

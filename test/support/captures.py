@@ -30,6 +30,7 @@ class Connection:
     transport: str
     port: int
     direct: bool
+    accepted_by: str  # tag of the module that accepts a direct connection, else None
 
 
 class Capture:
@@ -78,7 +79,9 @@ class Capture:
         words = text.replace(",", " ").split()
         transport, _, address = words[-1].partition(":")
         port = int(address.replace("/", ":").rsplit(":", 1)[1])
-        self.connections[tag] = Connection(tag, words[0], transport, port, "direct" in words)
+        peers = [word.removeprefix("peer=") for word in words if word.startswith("peer=")]
+        self.connections[tag] = Connection(tag, words[0], transport, port, "direct" in words,
+                                           peers[0] if peers else None)
 
     def _event(self, tag, text):
         if text.startswith("connects"):

@@ -7,6 +7,8 @@ from support.processes import Process
 from support.waiting import Deadline, PATIENCE, TimedOut
 
 SOURCE = os.path.join(os.path.dirname(__file__), "module_driver.c")
+NAMED_HOST = os.path.join(os.path.dirname(__file__), "named_host.c")
+FLAGS = ["-std=c99", "-D_POSIX_C_SOURCE=200809L"]
 
 ERRORS = ("No_Error", "Not_Connected", "Not_Initialized", "Message_Not_Defined",
           "Not_Fixed_Length", "Message_Lengths_Differ", "Argument_Out_Of_Range",

@@ -1,8 +1,9 @@
-"""A hand-made central: records what a library sends and answers as told.
+"""Hand-made programs that modules talk to: a central, and whatever else is a server.
 
-It has message ids of its own, always puts the message name into the class data of deliveries (or
-follows the scheme of the original, on request), routes nothing by itself, and can be slow, send
-in pieces, or be wrong in any way.
+The central records what a library sends and answers as told.  It has message ids of its own,
+always puts the message name into the class data of deliveries (or follows the scheme of the
+original, on request), routes nothing by itself, and can be slow, send in pieces, or be wrong in
+any way.
 """
 import itertools
 import os
@@ -175,36 +176,39 @@ class Connection(threading.Thread):
         self.socket.close()
 
 
-class FakeCentral:
-    """Listens on a port that the kernel chose."""
+class Server:
+    """Listens on a port that the kernel chose, on one of the loopback addresses.
 
-    def __init__(self, *, first_id=1000, version=(3, 10), direct=False, original_scheme=False,
-                 unix=False, tcp=True, broadcasts=(), piece=None, port=0):
-        self.version, self.direct, self.original_scheme = version, direct, original_scheme
+    What a subclass makes of its connections is in greet(), understand() and react().
+    """
+
+    def __init__(self, *, unix=False, tcp=True, host="127.0.0.1", port=0, piece=None):
         self.piece = piece
-        self.broadcasts = [messages.WATCH_BROADCASTS, *broadcasts]
-        self.definitions = {}
-        self.formats = {}
-        self.answers = {}
         self.connections = []
-        self._dispatches = itertools.count(0)
-        self._ids = itertools.count(first_id, 7)
-        self.ids, self.names = {}, {}
         self._lock = threading.RLock()
-        self.look_up_id = self.id_of("x_ipc_msgInfoMsg")
         self._listeners = []
-        self.port = self._listen_tcp(port, tcp)
+        self.port = self._listen_tcp(host, port, tcp)
         self.unix_path = f"/tmp/x_ipc/{self.port}"
+        if os.path.exists(self.unix_path):
+            os.unlink(self.unix_path)  # left behind by somebody: the port is ours
         if unix:
             self._listen_unix()
         self.address = f"localhost:{self.port}"
 
-    # --------------------------------------------------------------- sockets
+    def greet(self, connection):
+        """Sends what comes before everything else."""
 
-    def _listen_tcp(self, port, serve):
-        listener = socket.socket()
+    def understand(self, _connection, frame):
+        """Finds out what a received frame means."""
+        return Received(frame, None, None)
+
+    def react(self, connection, received):
+        """Answers a received frame."""
+
+    def _listen_tcp(self, host, port, serve):
+        listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind(("127.0.0.1", port))
+        listener.bind((host, port))
         if serve:
             listener.listen(64)
             self._serve(listener, "tcp")
@@ -214,8 +218,6 @@ class FakeCentral:
 
     def _listen_unix(self):
         os.makedirs(os.path.dirname(self.unix_path), mode=0o777, exist_ok=True)
-        if os.path.exists(self.unix_path):
-            os.unlink(self.unix_path)  # left behind by somebody: the port is ours
         listener = socket.socket(socket.AF_UNIX)
         listener.bind(self.unix_path)
         os.chmod(self.unix_path, 0o777)
@@ -265,10 +267,28 @@ class FakeCentral:
         wait_until(lambda: len(self.connections) > number, "a module connects", seconds)
         return self.connections[number]
 
+
+class FakeCentral(Server):
+    """A central that behaves, unless it is told otherwise."""
+
+    def __init__(self, *, first_id=1000, version=(3, 10), direct=False, original_scheme=False,
+                 broadcasts=(), **sockets):
+        self.version, self.direct, self.original_scheme = version, direct, original_scheme
+        self.broadcasts = [messages.WATCH_BROADCASTS, *broadcasts]
+        self.definitions = {}
+        self.formats = {}
+        self.answers = {}
+        self._dispatches = itertools.count(0)
+        self._ids = itertools.count(first_id, 7)
+        self.ids, self.names = {}, {}
+        self._naming = threading.RLock()
+        self.look_up_id = self.id_of("x_ipc_msgInfoMsg")
+        super().__init__(**sockets)
+
     # ---------------------------------------------------------------- naming
 
     def id_of(self, name):
-        with self._lock:
+        with self._naming:
             key = name.lower()
             if key not in self.ids:
                 self.ids[key] = next(self._ids)

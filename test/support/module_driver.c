@@ -20,7 +20,15 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { WORDS = 24, LINE = 1 << 17, HANDLERS = 4, PUBLISHERS = 8, ELEMENTS = 64, SHOWN = 512 };
+enum {
+    WORDS = 24,
+    LINE = 1 << 17,
+    HANDLERS = 4,
+    CONTEXTS = 4,
+    PUBLISHERS = 8,
+    ELEMENTS = 64,
+    SHOWN = 512
+};
 
 /* What one subscription does with each message, and what it has seen. */
 struct subscription {
@@ -57,6 +65,7 @@ struct numbers {
 static struct {
     struct subscription *subscriptions;
     struct delayed *delayed;
+    IPC_CONTEXT_PTR contexts[CONTEXTS];
     unsigned long events;
     char line[LINE];
     size_t filled;
@@ -419,6 +428,19 @@ static void command_disconnect(char **words, int count)
     (void)words;
     (void)count;
     print_result(IPC_disconnect());
+}
+
+static void command_keep_context(char **words, int count)
+{
+    (void)count;
+    driver.contexts[atoi(words[1]) % CONTEXTS] = IPC_getContext();
+    print_result(IPC_OK);
+}
+
+static void command_use_context(char **words, int count)
+{
+    (void)count;
+    print_result(IPC_setContext(driver.contexts[atoi(words[1]) % CONTEXTS]));
 }
 
 static void command_is_connected(char **words, int count)
@@ -824,6 +846,7 @@ static const struct command {
     {"handlers", 2, command_handlers},
     {"is_connected", 1, command_is_connected},
     {"is_defined", 2, command_is_defined},
+    {"keep_context", 2, command_keep_context},
     {"limit", 3, command_limit},
     {"listen", 2, command_listen},
     {"listen_clear", 2, command_listen_clear},
@@ -852,6 +875,7 @@ static const struct command {
     {"until", 3, command_until},
     {"unwatch_connect", 1, command_unwatch_connect},
     {"unwatch_handlers", 2, command_unwatch_handlers},
+    {"use_context", 2, command_use_context},
     {"verbosity", 2, command_verbosity},
     {"watch_connect", 1, command_watch_connect},
     {"watch_disconnect", 1, command_watch_disconnect},
@@ -948,6 +972,7 @@ static void command_serve(char **words, int count)
 
 int main(void)
 {
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ); /* what a library says in a call is seen at once */
     IPC_initialize();
     while (execute_input()) {
     }

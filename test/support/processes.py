@@ -29,7 +29,7 @@ class Process:
     """
 
     def __init__(self, arguments, *, stdin=subprocess.DEVNULL, env=None, cwd=None,
-                 terminal=False):
+                 terminal=False, **popen):
         self.arguments = [str(argument) for argument in arguments]
         # The leak checker counts what a module keeps for life, and would change its exit status.
         options = {"ASAN_OPTIONS": "detect_leaks=0"} if stdin == subprocess.PIPE else {}
@@ -39,7 +39,7 @@ class Process:
             tty.setraw(stdout)
         self.process = subprocess.Popen(
             self.arguments, stdin=stdin, stdout=stdout, stderr=subprocess.PIPE,
-            env={**os.environ, **options, **(env or {})}, cwd=cwd)
+            env={**os.environ, **options, **(env or {})}, cwd=cwd, **popen)
         if terminal:
             os.close(stdout)
             self.process.stdout = os.fdopen(ours, "rb")
@@ -168,13 +168,20 @@ def free_port():
 
 
 class Central(Process):
-    """A central on a port of its own."""
+    """A central on a port of its own.
 
-    def __init__(self, program, *options, original=False, **popen):
+    With console=True it reads commands from its standard input, a pipe unless stdin says otherwise.
+    """
+
+    def __init__(self, program, *options, original=False, console=False, **popen):
         self.original = original
         self._stopped = False
         port = free_port() if original else 0
-        super().__init__([program, f"-p{port}", "-u", *options], **popen)
+        if console:
+            popen.setdefault("stdin", subprocess.PIPE)
+        else:
+            options = ("-u", *options)
+        super().__init__([program, f"-p{port}", *options], **popen)
         try:
             announced = int(self.wait_for_line(r"Expecting \d+ on port (\d+)").group(1))
         except TimedOut:
@@ -183,6 +190,16 @@ class Central(Process):
         self.port = announced
         self.address = f"localhost:{self.port}"
         self.unix_path = f"/tmp/x_ipc/{self.port}"
+
+    def wait_for_end(self, seconds=None):
+        """The exit status of a central that is meant to end by itself."""
+        self._stopped = True
+        return self.wait(seconds)
+
+    def stop_quietly(self):
+        """Ends central, which may have ended already as the test wanted."""
+        self._stopped = True
+        super().stop()
 
     def stop(self):
         """Ends central; complains if it had ended by itself."""

@@ -103,6 +103,7 @@ int main(void)
 """
 
 
+@pytest.mark.new_library("it leaks")
 def test_nothing_is_lost_after_a_module_has_disconnected(compiler, library, start_central, stack,
                                                          tmp_path):
     if not shutil.which("valgrind"):

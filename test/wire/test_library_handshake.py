@@ -1,8 +1,5 @@
-"""The library's side of rendezvous, frames and handshake (requirements 2, 3, 5-7, 9, 15, 16)."""
-import os
+"""The library's side of frames and handshake (requirements 4-7, 9, 12, 15, 16)."""
 import socket
-import stat
-import time
 
 import pytest
 
@@ -10,100 +7,9 @@ from support import codec, messages
 from support.driver import texts_in
 from support.fake_central import FakeCentral
 from support.frame import BROADCAST, INFORM, QUERY
-from support.processes import free_port
 from support.waiting import SLOW
 
 HOST = socket.gethostname()
-
-
-def first_contact(central, driver, address):
-    """Connects; returns the transport by which the module came."""
-    driver.must("verbosity", 1)
-    driver.must("connect", "M", address)
-    return central.connection().transport
-
-
-# --------------------------------------------------------------------- rendezvous
-
-
-@pytest.mark.parametrize("host, transport", [
-    ("localhost", "tcp"), ("127.0.0.1", "tcp"), (HOST, "unix")])
-def test_the_host_part_of_the_address_decides_on_the_transport(host, transport, start_driver):
-    """Requirement 2, table of 1.2."""
-    with FakeCentral(unix=True) as central:
-        address = f"{host}:{central.port}"
-        assert first_contact(central, start_driver(), address) == transport
-
-
-def test_the_address_may_come_from_the_environment(start_driver):
-    """Section 1.2: CENTRALHOST, when the argument is NULL."""
-    with FakeCentral() as central:
-        driver = start_driver(env={"CENTRALHOST": central.address})
-        assert first_contact(central, driver, None) == "tcp"
-
-
-def test_the_argument_counts_more_than_the_environment(start_driver):
-    """Section 1.2."""
-    with FakeCentral() as central, FakeCentral() as other:
-        driver = start_driver(env={"CENTRALHOST": other.address})
-        first_contact(central, driver, central.address)
-        assert not other.connections
-
-
-def resolvable_host():
-    try:
-        return socket.gethostbyname(HOST) == "127.0.0.1"
-    except OSError:
-        return False
-
-
-@pytest.mark.skipif(not resolvable_host(), reason="own host name does not mean 127.0.0.1")
-@pytest.mark.parametrize("obstacle", ["missing", "stale", "plain file", "forbidden"])
-def test_without_a_usable_unix_socket_tcp_is_used(obstacle, start_driver):
-    """Requirement 2: any failure to connect to the Unix socket leads to TCP."""
-    if obstacle == "forbidden" and os.geteuid() == 0:
-        pytest.skip("nothing is forbidden to root")
-    with FakeCentral() as central:
-        os.makedirs("/tmp/x_ipc", exist_ok=True)
-        if obstacle in ("stale", "forbidden"):
-            with socket.socket(socket.AF_UNIX) as listener:
-                listener.bind(central.unix_path)
-        elif obstacle == "plain file":
-            with open(central.unix_path, "w", encoding="utf-8"):
-                pass
-        if obstacle == "forbidden":
-            os.chmod(central.unix_path, 0)
-        assert first_contact(central, start_driver(), f"{HOST}:{central.port}") == "tcp"
-        if obstacle != "missing":
-            assert stat.S_ISREG(os.stat(central.unix_path).st_mode) == (obstacle == "plain file")
-
-
-def test_a_failed_connect_is_tried_five_times_a_second_apart(start_driver):
-    """Requirement 3: 5 s without a server, then E:Not_Connected."""
-    driver = start_driver()
-    driver.must("verbosity", 1)
-    began = time.monotonic()
-    answer = driver.do("connect", "M", f"localhost:{free_port()}", seconds=20 * SLOW)
-    passed = time.monotonic() - began
-    assert answer.error == "Not_Connected"
-    assert 4.9 <= passed <= 6 * SLOW
-    said = [line for line in driver.stdout if "Trying again" in line]
-    assert len(said) == 4
-    assert said[0].startswith("  Trying again M to connect with the central server on localhost:")
-
-
-def test_a_central_that_appears_meanwhile_is_found(start_driver):
-    """Requirement 3: central starts after 1.5 s."""
-    driver, port = start_driver(), free_port()
-    driver.must("verbosity", 1)
-    driver.start("connect", "M", f"localhost:{port}")
-    time.sleep(1.5)
-    with FakeCentral(port=port) as central:
-        assert driver.finish(10 * SLOW).result == "OK"
-        assert central.connection().module == "M"
-
-
-# ---------------------------------------------------------------------- handshake
 
 
 def test_the_library_introduces_itself_and_says_that_it_is_ready(driver, fake_central):

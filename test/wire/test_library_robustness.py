@@ -12,7 +12,7 @@ import time
 import pytest
 
 from support import codec, messages
-from support.driver import Driver, Ended, SOURCE, data_in, texts_in
+from support.driver import Driver, Ended, FLAGS, SOURCE, data_in, texts_in
 from support.fake_central import FakeCentral, SILENCE
 from support.frame import BROADCAST, Frame, IS_REPLY, REPLY, SUCCESS, class_name
 from support.waiting import SLOW
@@ -521,8 +521,7 @@ def handshakes(compiler, library):
     """All bad handshakes at once, since each of them takes five seconds; by name: central and
     module."""
     with contextlib.ExitStack() as exits:
-        program = compiler.program(SOURCE, library, flags=["-std=c99",
-                                                           "-D_POSIX_C_SOURCE=200809L"])
+        program = compiler.program(SOURCE, library, flags=FLAGS)
         running = {}
         for name, prepare in {**BAD_HANDSHAKES, **HARMLESS_HANDSHAKES, "silent": None}.items():
             central = exits.enter_context(FakeCentral())

@@ -11,10 +11,55 @@
 #include "central/ending.h"
 #include "central/flow.h"
 #include "central/log_variables.h"
+#include "central/resend.h"
 #include "central/statistics.h"
+#include "central/tables.h"
 #include "central/version.h"
 
 enum { LIMIT_LINE = 64 * 1024 };
+
+/* ------------------------------------------------------------------- comments */
+
+static void go_on_after_comments(struct console *console)
+{
+    const enum console_next next = console->next;
+    console->next = CONSOLE_GO_ON;
+    if (next == CONSOLE_CLOSE_FILE) {
+        log_close_file(&console->server->log, LOG_FILE);
+    } else if (next == CONSOLE_QUIT) {
+        console->wants_to_quit = true;
+    }
+}
+
+/* Asks, if comments are wanted and somebody is there; what is next follows in any case. */
+static void ask_for_comments(struct console *console, enum console_next next)
+{
+    const struct options *options = console->server->options;
+    console->next = next;
+    if (console->server->log.file.is_open && options->file.comments && !options->silent &&
+        console->at_terminal) {
+        comments_ask(&console->comments, &console->server->log);
+    } else {
+        go_on_after_comments(console);
+    }
+}
+
+int console_open_log(struct console *console)
+{
+    const int error = log_open_file(&console->server->log, LOG_FILE);
+    if (error == 0) {
+        ask_for_comments(console, CONSOLE_GO_ON);
+    }
+    return error;
+}
+
+static void take_comment(struct console *console, const char *line)
+{
+    comments_take(&console->comments, &console->server->log, line);
+    if (!console->comments.asking) {
+        go_on_after_comments(console);
+    }
+}
 
 /* ------------------------------------------------------------------- commands */
 
@@ -93,6 +138,32 @@ static void show_dispatches(struct console *console, const char *argument)
     }
 }
 
+static void show_modules(struct console *console, const char *argument)
+{
+    struct buffer text;
+    (void)argument;
+    buffer_init(&text);
+    tables_modules(console->server, &text);
+    show(console, &text);
+}
+
+static void show_messages(struct console *console, const char *argument)
+{
+    struct buffer text;
+    buffer_init(&text);
+    tables_messages(console->server, &text, strcmp(argument, "all") == 0);
+    show(console, &text);
+}
+
+static void show_queues(struct console *console, const char *argument)
+{
+    struct buffer text;
+    (void)argument;
+    buffer_init(&text);
+    tables_queues(console->server, &text);
+    show(console, &text);
+}
+
 static void show_memory(struct console *console, const char *argument)
 {
     struct buffer text;
@@ -147,7 +218,7 @@ static void unlock(struct console *console, const char *argument)
 static void quit(struct console *console, const char *argument)
 {
     (void)argument;
-    console->wants_to_quit = true;
+    ask_for_comments(console, CONSOLE_QUIT);
 }
 
 static void dump(struct console *console, const char *argument)
@@ -174,6 +245,12 @@ static const struct command commands[] = {
     {"unlock", "unlock <resource>: Unlock a locked resouce.\n", unlock},
     {"dump", NULL, dump},
     {"quit", NULL, quit},
+    {"modules", "modules : Display what the connected modules send and get.\n", show_modules},
+    {"messages",
+     "messages [all]: Display how often messages are sent, and what waits of them.\n",
+     show_messages},
+    {"queues", "queues : Display what is under way to the modules, and what waits.\n",
+     show_queues},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
@@ -213,11 +290,21 @@ static void tell_switches(struct server *server, const struct options *before)
     }
 }
 
-static void open_wanted_file(struct server *server)
+/* Opens the log files that are wanted now, closes those that no longer are. */
+static void open_or_close_files(struct console *console)
 {
-    if (!server->log.file_is_open && log_wants_file(&server->log) &&
-        log_open_file(&server->log) != 0) {
-        (void)fprintf(stderr, "ERROR: Can not open file %s.\n", server->log.file_name);
+    struct log *log = &console->server->log;
+    const bool wants_file = log_wants_file(log, LOG_FILE);
+    const bool wants_json = log_wants_file(log, LOG_JSON);
+    if (wants_json && !log->json.is_open) {
+        (void)log_open_file(log, LOG_JSON); /* a failure has been said */
+    } else if (!wants_json && log->json.is_open) {
+        log_close_file(log, LOG_JSON);
+    }
+    if (wants_file && !log->file.is_open) {
+        (void)console_open_log(console);
+    } else if (!wants_file && log->file.is_open) {
+        ask_for_comments(console, CONSOLE_CLOSE_FILE);
     }
 }
 
@@ -246,7 +333,7 @@ static void execute_options(struct console *console, char *line)
     server_ignore_names(server);
     log_switched(&server->log);
     tell_switches(server, &before);
-    open_wanted_file(server);
+    open_or_close_files(console);
     log_terminal(&server->log, SERVER_BANNER "\n");
 }
 
@@ -330,17 +417,38 @@ void console_init(struct console *console, struct server *server)
     memset(console, 0, sizeof *console);
     console->server = server;
     buffer_init(&console->line);
+    comments_init(&console->comments);
 }
 
 void console_fini(struct console *console)
 {
+    comments_end(&console->comments, &console->server->log); /* as far as they have come */
+    comments_fini(&console->comments);
     buffer_fini(&console->line);
+}
+
+bool console_listens(const struct console *console)
+{
+    return console->server->options->read_commands || console->comments.asking;
 }
 
 void console_prompt(struct console *console)
 {
-    if (console->server->options->read_commands) {
+    if (console->server->options->read_commands && !console->comments.asking &&
+        !resend_asks(console->server)) {
         log_terminal(&console->server->log, "> ");
+    }
+}
+
+/* Executes a line, or takes it as the answer to what was asked. */
+static void take_line(struct console *console, char *line)
+{
+    if (console->comments.asking) {
+        take_comment(console, line);
+    } else if (resend_asks(console->server)) {
+        resend_answer(console->server, line);
+    } else {
+        execute(console, line);
     }
 }
 
@@ -351,7 +459,7 @@ static void finish_line(struct console *console)
     if (console->line_is_too_long || buffer_append(&console->line, &end, 1) != 0) {
         (void)fputs("ERROR: the command is too long\n", stderr);
     } else {
-        execute(console, (char *)console->line.bytes);
+        take_line(console, (char *)console->line.bytes);
     }
     console->line_is_too_long = false;
     buffer_clear(&console->line);
@@ -363,7 +471,7 @@ static void finish_line(struct console *console)
 void console_feed(struct console *console, const char *bytes, size_t count)
 {
     for (size_t i = 0; i < count && !console->wants_to_quit; i++) {
-        if (!console->server->options->read_commands) {
+        if (!console_listens(console)) {
             return; /* -u was typed */
         }
         if (bytes[i] == '\n') {
@@ -374,5 +482,15 @@ void console_feed(struct console *console, const char *bytes, size_t count)
                    buffer_append(&console->line, &bytes[i], 1) != 0) {
             console->line_is_too_long = true;
         }
+    }
+}
+
+void console_end_input(struct console *console)
+{
+    if (console->line.length > 0 && console_listens(console)) {
+        finish_line(console);
+    }
+    if (console->comments.asking) {
+        take_comment(console, "");
     }
 }

@@ -100,6 +100,7 @@ static void handle_message(struct server *server, struct module *module, const s
     if (message == NULL) {
         ending_for_violation(server, module, "its frame is for a message that does not exist");
     } else if (is_request(message) && frame->class != CLASS_BROADCAST) {
+        meter_add(&message->published, server->now_ns, frame->data_length);
         service(server, module, frame, message);
     } else if (!is_routed(message)) {
         say_misused(server, module, frame, message);
@@ -128,6 +129,7 @@ static void count(struct statistics *statistics, const struct frame *frame)
 static void handle_frame(struct server *server, struct module *module, const struct frame *frame)
 {
     count(&server->statistics, frame);
+    meter_add(&module->sends, server->now_ns, (uint64_t)frame->class_length + frame->data_length);
     switch (frame->class) {
     case CLASS_REPLY:
     case CLASS_SUCCESS:

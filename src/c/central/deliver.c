@@ -31,6 +31,8 @@ static void queue_frame(struct server *server, const struct dispatch *dispatch)
     frame.parent = dispatch->parent;
     frame.intent = dispatch->handler->id;
     frame.reference = (int32_t)dispatch->id;
+    dispatch->message->delivered++;
+    meter_add(&dispatch->handler->module->gets, server->now_ns, dispatch->data_length);
     outbox_queue(server, dispatch->handler->module, &frame,
                  dispatch->message->kind == MESSAGE_WATCH ? OUTBOX_FIRST : OUTBOX_NORMAL);
 }
@@ -77,12 +79,18 @@ void deliver_promote(struct server *server, struct dispatch *dispatch)
     log_released(&server->log, dispatch);
 }
 
-void deliver_end(struct server *server, struct dispatch *dispatch)
+void deliver_leave(struct dispatch *dispatch)
 {
     if (dispatch->state == DISPATCH_AHEAD) {
         leave_ahead(dispatch);
-    } else if (!dispatch->uncounted) {
-        dispatch->resource->attending--;
+    } else {
+        dispatch->resource->attending -= !dispatch->uncounted;
+        list_remove(&dispatch->link);
     }
+}
+
+void deliver_end(struct server *server, struct dispatch *dispatch)
+{
+    deliver_leave(dispatch);
     dispatch_free(&server->dispatches, dispatch);
 }

@@ -13,7 +13,10 @@ void deliver(struct server *server, struct dispatch *dispatch, bool from_queue);
 void deliver_ahead(struct server *server, struct dispatch *dispatch);
 void deliver_promote(struct server *server, struct dispatch *dispatch);
 
-/* Ends a dispatch that has been sent and frees it; its resource may then have room. */
+/* Takes a dispatch that has been sent out of its resource, which may then have room. */
+void deliver_leave(struct dispatch *dispatch);
+
+/* The same, and frees it. */
 void deliver_end(struct server *server, struct dispatch *dispatch);
 
 #endif

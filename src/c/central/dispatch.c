@@ -27,6 +27,7 @@ struct dispatch *dispatch_new(struct dispatch_pool *pool, struct message *messag
 {
     struct dispatch *dispatch = pool_take(&pool->records);
     dispatch->id = idpool_take(&pool->numbers, dispatch);
+    dispatch->number = pool->n_begun;
     dispatch->state = DISPATCH_NEW;
     dispatch->uncounted = false;
     dispatch->class = frame->class;
@@ -37,6 +38,7 @@ struct dispatch *dispatch_new(struct dispatch_pool *pool, struct message *messag
     dispatch->sender = sender == NULL ? NULL : module_ref(sender);
     dispatch->handler = NULL;
     dispatch->resource = NULL;
+    dispatch->lost_by = NULL;
     list_init(&dispatch->link);
     pending_item_init(&dispatch->waiting);
     dispatch->block = NULL;
@@ -51,6 +53,7 @@ void dispatch_free(struct dispatch_pool *pool, struct dispatch *dispatch)
     list_remove(&dispatch->link);
     idpool_release(&pool->numbers, dispatch->id);
     module_unref(dispatch->sender);
+    module_unref(dispatch->lost_by);
     block_unref(dispatch->block);
     pool_give(&pool->records, dispatch);
     pool->n_ended++;

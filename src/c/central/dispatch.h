@@ -37,6 +37,7 @@ enum { DISPATCH_SMALL = 96 };
 
 struct dispatch {
     uint32_t id;
+    uint64_t number; /* never given again */
     enum dispatch_state state;
     bool uncounted;     /* takes nothing of the capacity */
     uint16_t class;     /* as sent, enum frame_class */
@@ -47,6 +48,8 @@ struct dispatch {
     struct module *sender;     /* a reference; NULL: the server itself */
     struct handler *handler;   /* NULL for requests to the server and while waiting */
     struct resource *resource; /* of pending, active and claiming ones */
+    struct module *lost_by;    /* a reference: it waits for a module of that name; NULL: it does not
+                                  matter who handles it */
     struct list link;          /* in the list that the state says */
     struct pending_item waiting;
 

@@ -4,7 +4,8 @@
  * The log says so, the socket closes, the handlers go, then the resources with
  * all that was on its way to the module; lists of handlers and the list of
  * active broadcasts are put right, and last everybody who wants to know is told.
- * What the module has sent to others stays on its way.
+ * What the module has sent to others stays on its way; what it has not finished
+ * is sent again if that was asked for (resend.h).
  */
 #include "central/ending.h"
 
@@ -13,6 +14,7 @@
 #include "central/flow.h"
 #include "central/handler_list.h"
 #include "central/notify.h"
+#include "central/resend.h"
 #include "central/start.h"
 
 static void say(struct server *server, const struct module *module, enum ending why)
@@ -67,8 +69,11 @@ static void free_resources(struct server *server, struct module *module)
     struct list *at, *following;
     LIST_EACH(at, following, &module->resources) {
         struct resource *resource = LIST_OWNER(at, struct resource, in_owner);
+        struct list lost;
+        list_init(&lost);
         claim_end_of_resource(server, resource);
-        flow_clear(server, resource);
+        flow_clear(server, resource, &lost);
+        resend(server, resource->name, &lost);
         list_remove(at);
         namesakes_remove(&server->resource_names, resource->name, &resource->same_name);
         resource_free(resource);

@@ -73,6 +73,10 @@ static struct dispatch *dispatch_of(struct pending_item *item)
 static void drop(struct server *server, struct dispatch *dispatch)
 {
     server->statistics.n_dropped++;
+    dispatch->message->dropped++;
+    if (dispatch->resource != NULL) {
+        dispatch->resource->dropped++;
+    }
     dispatch_free(&server->dispatches, dispatch);
 }
 
@@ -194,17 +198,30 @@ static void trim_waiting(struct server *server, struct message *message, size_t 
 
 void flow_wait_for_handler(struct server *server, struct dispatch *dispatch, struct block **shared)
 {
-    struct message *message = dispatch->message;
     if (dispatch_keep(dispatch, shared) != 0) {
         drop_for_lack_of_memory(server, dispatch);
-        return;
+    } else {
+        flow_wait_again(server, dispatch);
     }
+}
+
+void flow_wait_again(struct server *server, struct dispatch *dispatch)
+{
+    struct message *message = dispatch->message;
     trim_waiting(server, message, dispatch->data_length);
     dispatch->state = DISPATCH_WAITING;
+    list_remove(&dispatch->link);
     list_append(&message->waiting, &dispatch->link);
     message->n_waiting++;
     message->waiting_bytes += dispatch->data_length;
     log_queued(&server->log, dispatch, message->name);
+}
+
+/* Whether a dispatch waits for such a handler. */
+static bool waits_for(const struct dispatch *dispatch, const struct handler *handler)
+{
+    return dispatch->lost_by == NULL ||
+           table_same_name(TABLE_FOLDING, dispatch->lost_by->name, handler->module->name);
 }
 
 void flow_adopt(struct server *server, struct message *message, struct handler *handler)
@@ -212,7 +229,12 @@ void flow_adopt(struct server *server, struct message *message, struct handler *
     struct list *at, *following;
     LIST_EACH(at, following, &message->waiting) {
         struct dispatch *dispatch = LIST_OWNER(at, struct dispatch, link);
+        if (!waits_for(dispatch, handler)) {
+            continue;
+        }
         leave_message(dispatch);
+        module_unref(dispatch->lost_by);
+        dispatch->lost_by = NULL;
         dispatch->handler = handler;
         log_transferred(&server->log, dispatch, handler->resource);
         (void)put_in_queue(server, dispatch); /* a limit may drop it, which has been logged then */
@@ -323,30 +345,53 @@ void flow_move(struct server *server, struct handler *handler, struct resource *
     flow_release(server, to);
 }
 
-/* Ends what has been sent, or sent before its turn. */
-static void clear_sent(struct server *server, struct list *dispatches)
+/* Whether it is to be sent again if its module ends, and can be. */
+static bool is_wanted_again(const struct server *server, const struct dispatch *dispatch)
+{
+    return server->options->resend && dispatch->data != NULL &&
+           dispatch->message->kind == MESSAGE_USER;
+}
+
+/* Ends a dispatch that has left its resource, or moves it to those to be sent again. */
+static void lose(struct server *server, struct dispatch *dispatch, struct list *lost)
+{
+    if (!is_wanted_again(server, dispatch)) {
+        log_cleared(&server->log, dispatch);
+        dispatch_free(&server->dispatches, dispatch);
+        return;
+    }
+    if (dispatch->class == CLASS_BROADCAST) {
+        dispatch->lost_by = module_ref(dispatch->handler->module);
+    }
+    dispatch->state = DISPATCH_WAITING;
+    dispatch->handler = NULL;
+    dispatch->resource = NULL;
+    dispatch->uncounted = false;
+    list_append(lost, &dispatch->link);
+}
+
+static void clear_sent(struct server *server, struct list *dispatches, struct list *lost)
 {
     while (!list_is_empty(dispatches)) {
         struct dispatch *dispatch = LIST_OWNER(dispatches->next, struct dispatch, link);
-        log_cleared(&server->log, dispatch);
-        deliver_end(server, dispatch);
+        deliver_leave(dispatch);
+        lose(server, dispatch, lost);
     }
 }
 
-static void clear_queue(struct server *server, struct pending *queue)
+static void clear_queue(struct server *server, struct pending *queue, struct list *lost)
 {
     struct dispatch *dispatch;
     while ((dispatch = dispatch_of(pending_take(queue))) != NULL) {
-        log_cleared(&server->log, dispatch);
-        dispatch_free(&server->dispatches, dispatch);
+        lose(server, dispatch, lost);
     }
 }
 
-void flow_clear(struct server *server, struct resource *resource)
+void flow_clear(struct server *server, struct resource *resource, struct list *lost)
 {
-    clear_sent(server, &resource->active);
-    clear_sent(server, &resource->ahead);
-    clear_queue(server, &resource->holders_own);
-    clear_queue(server, &resource->pending);
+    clear_sent(server, &resource->active, lost);
+    clear_sent(server, &resource->ahead, lost);
+    clear_queue(server, &resource->holders_own, lost);
+    clear_queue(server, &resource->pending, lost);
     backpressure_end(server, resource);
 }

@@ -18,7 +18,10 @@ void flow_enter(struct server *server, struct dispatch *dispatch, struct block *
 /* A new dispatch, which keeps its data, waits until somebody handles its message. */
 void flow_wait_for_handler(struct server *server, struct dispatch *dispatch, struct block **shared);
 
-/* Somebody does: all that wait move to the handler's queue. */
+/* The same, for a dispatch that its module has lost. */
+void flow_wait_again(struct server *server, struct dispatch *dispatch);
+
+/* Somebody does: all that wait for such a handler move to its queue. */
 void flow_adopt(struct server *server, struct message *message, struct handler *handler);
 
 /* Sends what waits and may go now. */
@@ -32,8 +35,9 @@ bool flow_is_free(const struct server *server, struct resource *resource,
 /* Moves what waits for a handler from its resource to another one of its module. */
 void flow_move(struct server *server, struct handler *handler, struct resource *to);
 
-/* Ends everything that is active or waits in a resource of a module that has ended. */
-void flow_clear(struct server *server, struct resource *resource);
+/* Ends everything that is active or waits in a resource of a module that has ended, or moves it to
+ * a list of what is to be sent again. */
+void flow_clear(struct server *server, struct resource *resource, struct list *lost);
 
 /* Ends an active dispatch whose receiver has reported it finished. */
 void flow_finish(struct server *server, struct dispatch *dispatch);

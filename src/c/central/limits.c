@@ -40,6 +40,8 @@ static const struct limit table[] = {
      30 * SECOND_NS, 86400 * SECOND_NS},
     {"introduction-seconds", "patience with a connection without a name", MEMBER(introduction_ns),
      SECOND_NS, 30 * SECOND_NS, 86400 * SECOND_NS},
+    {"look-up-seconds", "patience with the look-up of a newcomer's name", MEMBER(look_up_ns),
+     SECOND_NS, 2 * SECOND_NS, 86400 * SECOND_NS},
     {"strangers", "connections without a name", MEMBER(unintroduced), 1, 4096, INT32_MAX},
 };
 

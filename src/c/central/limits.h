@@ -25,8 +25,9 @@
 #define LIMIT_AHEAD 64u            /* deliveries sent before their turn for one resource */
 #define LIMIT_AHEAD_BYTES (256u * 1024) /* data of these, unless it is only one */
 #define LIMIT_DIRECT_HANDLERS 100u      /* handlers that a publisher in direct mode is told of */
-#define LIMIT_WAITING_QUERIES 100000u   /* queries to one message that nobody handles yet */
+#define LIMIT_WAITING_QUERIES 100000u   /* deliveries of one message that nobody handles yet */
 #define LIMIT_WAITING_BYTES (256u * 1024 * 1024) /* data of these */
+#define LIMIT_QUESTIONS 100u /* ended resources about which somebody is asked at a time */
 
 /* Those that an operator may change, with --limit-<name>=<number>; none is 0. */
 struct central_limits {
@@ -37,6 +38,7 @@ struct central_limits {
     uint64_t pending_messages; /* deliveries that wait for one resource */
     uint64_t progress_ns;      /* patience of senders with a receiver that finishes nothing */
     uint64_t introduction_ns;  /* patience with a connection that does not introduce itself */
+    uint64_t look_up_ns;       /* patience with the look-up of a newcomer's name */
     uint64_t stuck_ns;         /* patience with a module whose unsent bytes exceed every measure */
     uint64_t unintroduced;     /* connections that have not introduced themselves yet */
 };

@@ -3,7 +3,8 @@
  *
  * There are two logs with the same vocabulary, the terminal and a file, each
  * with its own switches.  The exact text of every line is made here, because
- * log viewers and scripts read it.  Nothing here waits: text gathers in sinks.
+ * log viewers and scripts read it.  A third log, of JSON, has the same content.
+ * Nothing here waits: text gathers in sinks.
  */
 #ifndef IPC_CENTRAL_LOG_H
 #define IPC_CENTRAL_LOG_H
@@ -17,19 +18,31 @@
 #include "central/text.h"
 #include "platform/process.h"
 
+/* Both logs for people, so that what is done to one is done to the other, and the one for programs.
+ */
+enum which_log { LOG_TERMINAL, LOG_FILE, N_LOGS, LOG_JSON = N_LOGS };
+
+struct log_file {
+    struct sink sink;
+    bool is_open;
+    char *name; /* owned; of the file that is or was open */
+};
+
 struct log {
     struct options *options; /* holds the switches of both logs */
     struct sink terminal;
-    struct sink file;
-    bool file_is_open;
+    struct log_file file;
+    struct log_file json;
     bool closed;      /* nothing is written any more */
-    char *file_name;  /* owned; of the file that is or was open */
+    int64_t start;    /* seconds since 1970: a generated name holds them */
     bool messages_on; /* some log shows message lines: see log_switched */
     bool data_on;
     bool summary_on;
     const struct format_names *names; /* to read the formats of messages with */
     void (*clock)(struct local_time *time);
-    struct buffer line; /* scratch */
+    struct buffer line;   /* scratch, like the next two */
+    struct buffer value;  /* printed data */
+    struct buffer object; /* a line of JSON */
 };
 
 /* terminal_fd -1: the terminal's text only gathers. */
@@ -42,14 +55,24 @@ void log_close(struct log *log);
 /* Has to be called after the options were changed. */
 void log_switched(struct log *log);
 
-/* Whether the switches of the file ask for one. */
-bool log_wants_file(const struct log *log);
+/* Whether the switches of LOG_FILE or LOG_JSON ask for one. */
+bool log_wants_file(const struct log *log, enum which_log which);
 
-/* Opens the file of the options' name, or of a generated one: 0 or ERR_IO. */
-int log_open_file(struct log *log);
+/* Opens the file of the options' name, or of a generated one: 0 or ERR_IO, which is said on standard
+ * error.  What is in it goes, unless this log has written it. */
+int log_open_file(struct log *log, enum which_log which);
 
-/* Starts a new file of the same name where the old one was moved away: 0 or ERR_IO. */
-int log_reopen_file(struct log *log);
+/* Writes what waits and closes the file. */
+void log_close_file(struct log *log, enum which_log which);
+
+/* Starts new files of the same names where the old ones were moved away. */
+void log_reopen_files(struct log *log);
+
+/* Whether a file has not taken all that should be in it by now. */
+bool log_files_are_behind(const struct log *log);
+
+/* Lets leave what the files take, and starts a new one where an old one has its size. */
+void log_flush_files(struct log *log);
 
 /* Lets leave what the streams take; says on standard error when a log file has failed. */
 void log_flush(struct log *log);
@@ -74,6 +97,12 @@ void log_warning(struct log *log, const struct module *module, const char *forma
 
 /* Terminal only, not when silent: banner, prompt, answers to commands. */
 void log_terminal(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+
+/* File only. */
+void log_file(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+
+/* To both logs: a question.  On the terminal its answer stands in the same line. */
+void log_question(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
 
 /* ----------------------------------------------------- the life of a dispatch */
 

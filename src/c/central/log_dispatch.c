@@ -6,6 +6,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
+#include "central/log_json.h"
 #include "central/log_output.h"
 #include "central/version.h"
 
@@ -54,7 +55,7 @@ static void end_line(struct log *log, enum which_log which, struct stamp *stamp)
     log_put_line(log, which);
 }
 
-static const char *class_name(uint16_t class)
+const char *log_class_name(uint16_t class)
 {
     switch (class) {
     case CLASS_QUERY:
@@ -72,7 +73,7 @@ static const char *class_name(uint16_t class)
 static void begin_line(struct log *log, enum which_log which, const struct dispatch *dispatch)
 {
     buffer_clear(&log->line);
-    text_append(&log->line, "%-9s %15s", class_name(dispatch->class), dispatch->message->name);
+    text_append(&log->line, "%-9s %15s", log_class_name(dispatch->class), dispatch->message->name);
     add_reference(log, which, dispatch);
 }
 
@@ -143,30 +144,31 @@ static void add_message_value(struct log *log, struct message *message, struct f
             source.length -= WRAPPING;
         }
     }
-    add_value(&log->line, format, &source);
+    add_value(&log->value, format, &source);
 }
 
-/* Puts log->line into the logs that show data and this message. */
+/* Puts log->value into the logs that show data and this message. */
 static void put_data(struct log *log, const struct message *message)
 {
     for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
         const struct log_switches *on = log_switches_of(log, which);
         if (log_is_open(log, which) && on->data && !(on->ignore && message->ignored)) {
-            log_put_line(log, which);
+            log_put_text(log, which, &log->value);
         }
     }
 }
 
-static void add_data(struct log *log, struct dispatch *dispatch)
+/* Prints the data of a dispatch into log->value, which is empty if no log shows data, and puts it
+ * into the logs for people. */
+static void put_own_data(struct log *log, struct dispatch *dispatch)
 {
-    if (!log->data_on) {
-        return;
-    }
     const struct format_source source = {dispatch->data, dispatch->data_length,
                                          (enum byte_order)dispatch->data_order};
-    buffer_clear(&log->line);
-    add_message_value(log, dispatch->message, source);
-    put_data(log, dispatch->message);
+    buffer_clear(&log->value);
+    if (log->data_on) {
+        add_message_value(log, dispatch->message, source);
+        put_data(log, dispatch->message);
+    }
 }
 
 /* ----------------------------------------------------- the life of a dispatch */
@@ -181,7 +183,11 @@ void log_write_sent(struct log *log, struct dispatch *dispatch, const char *rece
             end_line(log, which, &stamp);
         }
     }
-    add_data(log, dispatch);
+    put_own_data(log, dispatch);
+    const struct log_step step = {.step = "sent", .dispatch = dispatch,
+                                  .from = dispatch_sender_name(dispatch), .to = receiver,
+                                  .bytes = &dispatch->data_length, .data = &log->value};
+    log_json_step(log, &step);
 }
 
 void log_write_queued(struct log *log, const struct dispatch *dispatch, const char *resource)
@@ -194,6 +200,9 @@ void log_write_queued(struct log *log, const struct dispatch *dispatch, const ch
             end_line(log, which, &stamp);
         }
     }
+    const struct log_step step = {.step = "queued", .dispatch = dispatch,
+                                  .from = dispatch_sender_name(dispatch), .resource = resource};
+    log_json_step(log, &step);
 }
 
 void log_request_waits(struct log *log, const struct dispatch *dispatch)
@@ -206,6 +215,9 @@ void log_request_waits(struct log *log, const struct dispatch *dispatch)
             end_line(log, which, &stamp);
         }
     }
+    const struct log_step step = {.step = "queued", .dispatch = dispatch,
+                                  .from = dispatch_sender_name(dispatch), .to = SERVER_NAME};
+    log_json_step(log, &step);
 }
 
 void log_write_released(struct log *log, struct dispatch *dispatch)
@@ -219,7 +231,13 @@ void log_write_released(struct log *log, struct dispatch *dispatch)
             end_line(log, which, &stamp);
         }
     }
-    add_data(log, dispatch);
+    put_own_data(log, dispatch);
+    const struct log_step step = {.step = "released", .dispatch = dispatch,
+                                  .from = dispatch_sender_name(dispatch),
+                                  .to = dispatch->resource->owner->name,
+                                  .resource = dispatch->resource->name,
+                                  .bytes = &dispatch->data_length, .data = &log->value};
+    log_json_step(log, &step);
 }
 
 /* How a dispatch ended (with the blanks up to the message's column), its message and reference. */
@@ -241,6 +259,8 @@ void log_write_done(struct log *log, const struct dispatch *dispatch)
             end_line(log, which, &stamp);
         }
     }
+    const struct log_step step = {.step = "done", .dispatch = dispatch};
+    log_json_step(log, &step);
 }
 
 void log_failed(struct log *log, const struct dispatch *dispatch, const char *reason, int length)
@@ -253,6 +273,9 @@ void log_failed(struct log *log, const struct dispatch *dispatch, const char *re
             end_line(log, which, &stamp);
         }
     }
+    const struct log_step step = {.step = "failed", .dispatch = dispatch,
+                                  .reason = reason, .reason_length = length};
+    log_json_step(log, &step);
 }
 
 void log_replied(struct log *log, const struct dispatch *dispatch, const struct log_reply *reply)
@@ -270,16 +293,21 @@ void log_replied(struct log *log, const struct dispatch *dispatch, const struct 
             end_line(log, which, &stamp);
         }
     }
+    buffer_clear(&log->value);
     if (log->data_on) {
         const struct format_source source = {reply->data, reply->length, reply->order};
-        buffer_clear(&log->line);
         if (reply->message != NULL) {
             add_message_value(log, reply->message, source);
         } else {
-            add_value(&log->line, reply->format, &source);
+            add_value(&log->value, reply->format, &source);
         }
         put_data(log, dispatch->message);
     }
+    const uint32_t bytes = (uint32_t)reply->length;
+    const struct log_step step = {.step = "replied", .dispatch = dispatch,
+                                  .from = reply->replier, .to = dispatch_sender_name(dispatch),
+                                  .bytes = &bytes, .data = &log->value};
+    log_json_step(log, &step);
 }
 
 void log_limited(struct log *log, const struct dispatch *dispatch)
@@ -294,6 +322,8 @@ void log_limited(struct log *log, const struct dispatch *dispatch)
             end_line(log, which, &stamp);
         }
     }
+    const struct log_step step = {.step = "dropped", .dispatch = dispatch};
+    log_json_step(log, &step);
 }
 
 void log_cleared(struct log *log, const struct dispatch *dispatch)
@@ -307,6 +337,8 @@ void log_cleared(struct log *log, const struct dispatch *dispatch)
             log_put_line(log, which);
         }
     }
+    const struct log_step step = {.step = "cleared", .dispatch = dispatch};
+    log_json_step(log, &step);
 }
 
 void log_transferred(struct log *log, const struct dispatch *dispatch,
@@ -322,20 +354,7 @@ void log_transferred(struct log *log, const struct dispatch *dispatch,
             log_put_line(log, which);
         }
     }
-}
-
-void log_summarise(struct log *log, const struct log_summary *summary)
-{
-    buffer_clear(&log->line);
-    text_append(&log->line,
-                "%5" PRIu64 ": Msg: %.2f%%, Mon: 0.00%%, Wait %.2f%%, Msg: (%" PRIu64 ", %" PRIu64
-                ") Ave: (%" PRIu64 ", %" PRIu64 ")\n",
-                summary->count, summary->message_share,
-                summary->count > 1 ? 100.0 - summary->message_share : 0.0, summary->bytes,
-                summary->milliseconds, summary->average_bytes, summary->average_milliseconds);
-    for (enum which_log which = LOG_TERMINAL; which < N_LOGS; which++) {
-        if (log_is_open(log, which) && log_switches_of(log, which)->summary) {
-            log_put_line(log, which);
-        }
-    }
+    const struct log_step step = {.step = "transferred", .dispatch = dispatch,
+                                  .resource = resource->name};
+    log_json_step(log, &step);
 }

@@ -3,25 +3,22 @@
  */
 #include "central/loop.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/error.h"
 #include "central/conversation.h"
 #include "central/ending.h"
+#include "central/resend.h"
 #include "central/watch.h"
 #include "platform/process.h"
 
 enum {
-    N_EVENTS = 128,       /* taken from the poller at a time */
-    ACCEPTED_A_TURN = 64, /* connections */
-    LAST_WORDS_PAUSE_MS = 10,
-    LOCAL_MODE = 0777 /* everybody may connect, as to the TCP port */
+    N_EVENTS = 128, /* taken from the poller at a time */
+    LAST_WORDS_PAUSE_MS = 10
 };
 
 #define MS_NS UINT64_C(1000000)
-#define ACCEPT_PAUSE_NS (1000 * MS_NS)
 #define LAST_WORDS_NS (1000 * MS_NS)
 
 static void write_news(struct server *server, void *context);
@@ -32,11 +29,12 @@ int loop_init(struct loop *loop, struct server *server)
 {
     memset(loop, 0, sizeof *loop);
     loop->server = server;
-    loop->tcp = -1;
-    loop->local.fd = -1;
     loop->waker.read_fd = loop->waker.write_fd = -1;
     loop->poller = poller_new();
     console_init(&loop->console, server);
+    listeners_init(&loop->listeners, server, &loop->waker);
+    metrics_server_init(&loop->metrics, server);
+    loop->console.at_terminal = stream_is_terminal(STREAM_INPUT);
     if (loop->poller == NULL || waker_open(&loop->waker) != 0) {
         return ERR_IO;
     }
@@ -51,95 +49,14 @@ int loop_init(struct loop *loop, struct server *server)
 
 void loop_fini(struct loop *loop)
 {
-    if (loop->tcp >= 0) {
-        net_close(loop->tcp);
-    }
-    net_close_local(&loop->local);
+    presence_fini(&loop->presence);
+    metrics_server_fini(&loop->metrics);
+    listeners_fini(&loop->listeners);
     console_fini(&loop->console);
     loop->server->poller = NULL;
     loop->server->write_news = NULL;
     poller_free(loop->poller);
     waker_close(&loop->waker);
-}
-
-/* ------------------------------------------------------------------- listening */
-
-static void watch_listeners(struct loop *loop)
-{
-    loop->accepting = poller_add(loop->poller, loop->tcp, READY_READ, &loop->tcp) == 0;
-    if (loop->local.fd >= 0 &&
-        poller_add(loop->poller, loop->local.fd, READY_READ, &loop->local) != 0) {
-        net_close_local(&loop->local); /* modules then use TCP */
-    }
-}
-
-static void listen_locally(struct loop *loop)
-{
-    char path[NET_PATH_SIZE];
-    (void)snprintf(path, sizeof path, "%s/%d", NET_SOCKET_DIRECTORY, loop->server->options->port);
-    const int error = net_listen_local(path, LOCAL_MODE, &loop->local);
-    if (error != 0 && !loop->server->options->silent) {
-        (void)fprintf(stderr, "Warning: no socket %s (%s), modules use TCP\n", path,
-                      error == ERR_IO ? strerror(errno) : error_text(error));
-    }
-}
-
-int loop_listen(struct loop *loop)
-{
-    const int error = net_listen_tcp(NULL, &loop->server->options->port, &loop->tcp);
-    if (error != 0) {
-        loop->tcp = -1;
-        return ERR_IO;
-    }
-    listen_locally(loop);
-    watch_listeners(loop);
-    return loop->accepting ? 0 : ERR_IO;
-}
-
-/* Leaves newcomers in the kernel's queue for a while. */
-static void pause_accepting(struct loop *loop)
-{
-    poller_remove(loop->poller, loop->tcp);
-    if (loop->local.fd >= 0) {
-        poller_remove(loop->poller, loop->local.fd);
-    }
-    loop->accepting = false;
-    if (loop->accept_again_ns == 0) {
-        log_always(&loop->server->log, "WARNING: no descriptors left, new modules have to wait\n");
-    }
-    loop->accept_again_ns = loop->server->now_ns + ACCEPT_PAUSE_NS;
-}
-
-static void resume_accepting(struct loop *loop)
-{
-    if (!loop->accepting && loop->server->now_ns >= loop->accept_again_ns) {
-        watch_listeners(loop);
-    }
-}
-
-static void take_connection(struct loop *loop, int fd)
-{
-    struct module *module = server_add_connection(loop->server, fd);
-    module->polled = READY_READ;
-    if (poller_add(loop->poller, fd, module->polled, module) != 0) {
-        ending_for_violation(loop->server, module, "its socket cannot be watched");
-    }
-}
-
-static void accept_all(struct loop *loop, int listener)
-{
-    for (int i = 0; i < ACCEPTED_A_TURN && loop->accepting; i++) {
-        int fd;
-        const int result = net_accept(listener, &fd);
-        if (result == 0) {
-            take_connection(loop, fd);
-            loop->accept_again_ns = 0;
-        } else if (result == ERR_LIMIT) {
-            pause_accepting(loop);
-        } else {
-            return;
-        }
-    }
 }
 
 /* -------------------------------------------------------------------- commands */
@@ -150,13 +67,16 @@ static void stop_reading_input(struct loop *loop)
         poller_remove(loop->poller, STREAM_INPUT);
     }
     loop->reads_input = false;
+    resend_set_asking(loop->server, false);
     loop->input_is_unwatched = false;
 }
 
 static void start_reading_input(struct loop *loop)
 {
-    loop->reads_input = loop->server->options->read_commands;
+    loop->reads_input = console_listens(&loop->console);
     if (loop->reads_input) {
+        resend_set_asking(loop->server, loop->console.at_terminal &&
+                                            loop->server->options->read_commands);
         loop->input_is_unwatched =
             poller_add(loop->poller, STREAM_INPUT, READY_READ, &loop->console) != 0;
     }
@@ -169,7 +89,10 @@ static void read_commands(struct loop *loop)
     if (n > 0) {
         console_feed(&loop->console, bytes, (size_t)n);
     }
-    if (n < 0 || !loop->server->options->read_commands) {
+    if (n < 0) {
+        console_end_input(&loop->console);
+    }
+    if (n < 0 || !console_listens(&loop->console)) {
         stop_reading_input(loop);
     }
 }
@@ -183,9 +106,7 @@ static void take_signals(struct loop *loop)
             loop->signal = number;
             return;
         }
-        if (log_reopen_file(&loop->server->log) != 0) {
-            (void)fprintf(stderr, "ERROR: Can not open file %s.\n", loop->server->log.file_name);
-        }
+        log_reopen_files(&loop->server->log);
     }
 }
 
@@ -278,15 +199,13 @@ static void flush_logs(struct loop *loop)
 
 static void handle_event(struct loop *loop, const struct poller_event *event)
 {
-    if (event->owner == &loop->tcp) {
-        accept_all(loop, loop->tcp);
-    } else if (event->owner == &loop->local) {
-        accept_all(loop, loop->local.fd);
-    } else if (event->owner == &loop->waker) {
+    if (event->owner == &loop->waker) {
         take_signals(loop);
     } else if (event->owner == &loop->console) {
         read_commands(loop);
-    } else if (event->owner != &loop->watches_output) { /* logs are flushed in every turn */
+    } else if (event->owner != &loop->watches_output && /* logs are flushed in every turn */
+               !listeners_take_event(&loop->listeners, event->owner) &&
+               !metrics_server_take_event(&loop->metrics, event->owner)) {
         struct module *module = event->owner;
         if (event->found & READY_WRITE) {
             flush_module(loop, module);
@@ -305,17 +224,16 @@ static uint64_t earlier(uint64_t a, uint64_t b)
 }
 
 /* Milliseconds to wait, -1: until something happens. */
-static int64_t time_to_wait(const struct loop *loop, uint64_t patience_ends_ns)
+static int64_t time_to_wait(const struct loop *loop, uint64_t until)
 {
     const struct server *server = loop->server;
-    uint64_t until = patience_ends_ns;
     if (conversation_is_pending(server) || loop->input_is_unwatched) {
         return 0;
     }
-    if (!loop->accepting) {
-        until = earlier(until, loop->accept_again_ns);
-    }
-    if (sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) {
+    until = earlier(until, listeners_deadline_ns(&loop->listeners));
+    until = earlier(until, metrics_server_deadline_ns(&loop->metrics));
+    if ((sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) ||
+        log_files_are_behind(&server->log)) {
         until = earlier(until, server->now_ns + 100 * MS_NS);
     }
     if (until == UINT64_MAX) {
@@ -343,7 +261,10 @@ static void turn(struct loop *loop)
 {
     struct server *server = loop->server;
     const uint64_t patience_ends_ns = conversation_check_patience(server);
-    wait_for_events(loop, time_to_wait(loop, patience_ends_ns));
+    const uint64_t sign_is_due_ns = presence_turn(&loop->presence, server->now_ns);
+    wait_for_events(loop, time_to_wait(loop, earlier(patience_ends_ns, sign_is_due_ns)));
+    listeners_turn(&loop->listeners);
+    metrics_server_turn(&loop->metrics);
     conversation_turn(server);
     flush_all(loop);
     flush_logs(loop);
@@ -352,9 +273,8 @@ static void turn(struct loop *loop)
     }
     if (!list_is_empty(&server->ended)) {
         ending_sweep(server);
-        loop->accept_again_ns = loop->accepting ? loop->accept_again_ns : server->now_ns;
+        listeners_have_room(&loop->listeners);
     }
-    resume_accepting(loop);
 }
 
 /* Writes what modules and logs take; returns how many bytes are left. */

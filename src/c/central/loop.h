@@ -8,6 +8,9 @@
 #define IPC_CENTRAL_LOOP_H
 
 #include "central/console.h"
+#include "central/listeners.h"
+#include "central/metrics_server.h"
+#include "central/presence.h"
 #include "central/server.h"
 #include "platform/platform.h"
 
@@ -16,10 +19,9 @@ struct loop {
     struct console console;
     struct poller *poller;
     struct waker waker;
-    int tcp;                /* listens; -1: not yet */
-    struct net_local local; /* listens; fd -1: it could not be had */
-    bool accepting;         /* both are watched */
-    uint64_t accept_again_ns;
+    struct listeners listeners;
+    struct metrics_server metrics;
+    struct presence presence;
     bool reads_input;        /* commands are read from standard input */
     bool input_is_unwatched; /* ... which cannot be watched: it is read in every turn */
     bool watches_output;     /* standard output takes nothing at the moment */
@@ -29,10 +31,6 @@ struct loop {
 /* 0, or ERR_IO when the system refuses what every loop needs. */
 int loop_init(struct loop *loop, struct server *server);
 void loop_fini(struct loop *loop);
-
-/* Opens the sockets that modules connect to; the port in the options becomes the real one.
- * 0, or ERR_IO when there is no TCP socket (errno says why). */
-int loop_listen(struct loop *loop);
 
 /* Serves until a command or a signal ends it. */
 void loop_run(struct loop *loop);

@@ -4,24 +4,29 @@
  * What calls what, from here down:
  *
  *     main                options, start, end, exit status
+ *       opening           sockets and files by which others find the server
  *       loop              sockets, streams, signals; one turn after another
- *         console         typed commands                        options, statistics
+ *         listeners       newcomers                             access
+ *         metrics_server  numbers for programs that watch       metrics
+ *         presence        files, and signs of life to a supervisor
+ *         console         typed commands                        comments, options, statistics, tables
  *         conversation    bytes to frames, a turn of each connection
  *           route         who gets a message                    tap
  *           completion    what modules report about deliveries
  *           service       requests to the server, by a table
  *             service_*, variable_service   carry them out
  *               ending, start, notify, handler_list, broadcasts, variable, own_request
+ *                 resend          what ended modules did not finish
  *         flow            what goes now and what waits          claim, pending
  *           backpressure  who has to wait for whom
  *         watch           new values to those who watch
  *         deliver, answer frames on their way out
  *           outbox        links, and which of them to flush
- *     log, log_dispatch   every line that is written            log_variables, sink, text
+ *     log, log_*          every line that is written            sink, text
  *     message, handler, module, resource, dispatch              what there is
  *       namesakes, pool                                         how it is found and kept
  *
- * struct server holds all state; only loop and main touch the system.
+ * struct server holds all state; only what stands above the console touches the system.
  */
 #include <errno.h>
 #include <stdio.h>
@@ -29,6 +34,7 @@
 
 #include "base/error.h"
 #include "central/loop.h"
+#include "central/opening.h"
 #include "central/statistics.h"
 #include "central/version.h"
 #include "platform/process.h"
@@ -52,21 +58,11 @@ static enum options_result parse(struct options *options, int count, char **argu
     return result;
 }
 
-/* The server cannot start: says so on standard error and in the logs that there are. */
-static void complain(struct server *server, const char *text)
+static int open_logs(struct log *log, struct console *console)
 {
-    (void)fputs(text, stderr);
-    log_always(&server->log, "%s", text);
-    log_flush(&server->log);
-}
-
-static int open_log(struct server *server)
-{
-    if (!log_wants_file(&server->log) || log_open_file(&server->log) == 0) {
-        return 0;
-    }
-    (void)fprintf(stderr, "ERROR: Can not open file %s.\n\n", server->log.file_name);
-    return ERR_IO;
+    const bool fails = (log_wants_file(log, LOG_JSON) && log_open_file(log, LOG_JSON) != 0) ||
+                       (log_wants_file(log, LOG_FILE) && console_open_log(console) != 0);
+    return fails ? ERR_IO : 0;
 }
 
 static int start(struct server *server, struct loop *loop)
@@ -75,16 +71,10 @@ static int start(struct server *server, struct loop *loop)
         (void)fprintf(stderr, "ERROR: %s\n", strerror(errno));
         return ERR_IO;
     }
-    if (open_log(server) != 0) {
+    if (open_logs(&server->log, &loop->console) != 0) {
         return ERR_IO;
     }
-    if (loop_listen(loop) != 0) {
-        const char *reason = strerror(errno);
-        (void)fprintf(stderr, "Error: unable to bind TCP/IP socket for listening (%s)\n", reason);
-        complain(server, "ERROR: Unable to start server, Is one already running?\n\n");
-        return ERR_IO;
-    }
-    return 0;
+    return opening_open(loop);
 }
 
 static void print_statistics(const struct server *server)
@@ -105,7 +95,9 @@ static void serve(struct server *server, struct loop *loop)
     log_terminal(&server->log, SERVER_BANNER "\n");
     log_always(&server->log, "Expecting %d on port %d\n", server->options->expected,
                server->options->port);
+    presence_tell_ready(&loop->presence, server->options->port, clock_ns());
     loop_run(loop);
+    presence_tell_end();
     print_statistics(server);
     if (loop->signal != 0) {
         log_always(&server->log, "Central Abort : Signal %d\n", loop->signal);

@@ -17,6 +17,7 @@
 
 #include "base/list.h"
 #include "base/table.h"
+#include "central/meter.h"
 #include "central/pending.h"
 #include "format/names.h"
 #include "wire/catalogue.h"
@@ -59,6 +60,10 @@ struct message {
     struct list waiting; /* queries that nobody handles yet: struct dispatch, oldest first */
     size_t n_waiting;
     uint64_t waiting_bytes;
+
+    struct meter published;
+    uint64_t delivered;
+    uint64_t dropped; /* deliveries given up because a queue was full */
 
     bool direct;               /* modules deliver it to each other */
     bool ignored;              /* left out by logs that ignore */

@@ -19,6 +19,7 @@
 
 #include "base/list.h"
 #include "base/table.h"
+#include "central/meter.h"
 #include "central/resource.h"
 #include "link/link.h"
 
@@ -46,6 +47,10 @@ struct module {
     int polled; /* what the poller tells of its socket, READY_READ | READY_WRITE */
     bool in_order;    /* its library has the ability ABILITY_IN_ORDER */
     bool takes_ahead; /* ... ABILITY_AHEAD */
+
+    /* What goes through. */
+    struct meter sends; /* frames of every kind */
+    struct meter gets;  /* deliveries */
 
     /* Input. */
     struct list in_input; /* has bytes that are not handled yet */

@@ -1,21 +1,22 @@
 /*
  * The server's options, from the command line or typed as commands.
  *
- * One table describes every option: its letter, what it does, and its lines in
- * the listing of -h.  An option is one argument; its second character selects
- * the option and the rest is the value.
+ * One table describes every option: its letter and its word, what it does, and
+ * its lines in the listings.  -p1500, --port=1500 and --port 1500 are the same; a
+ * letter has its value in the same argument, and letters are not combined.
  */
 #ifndef IPC_CENTRAL_OPTIONS_H
 #define IPC_CENTRAL_OPTIONS_H
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "base/buffer.h"
 #include "base/list.h"
 #include "central/limits.h"
 
-/* What one of the two logs shows. */
+/* What one of the logs shows. */
 struct log_switches {
     bool messages;
     bool status;
@@ -35,6 +36,9 @@ struct ignored_name {
     char name[];
 };
 
+/* Whose programs may connect: any but the first leave only the Unix socket, which tells users. */
+enum allowed_users { USERS_ALL, USERS_OWNER, USERS_GROUP };
+
 struct options {
     int port;     /* 0: any free one */
     int expected; /* modules that have to ask before the first one is let go */
@@ -44,10 +48,30 @@ struct options {
     bool resend;
     struct log_switches terminal;
     struct log_switches file;
+    struct log_switches json;
     char *file_name;     /* owned; NULL: generated */
+    char *json_name;     /* owned; NULL: generated */
+    uint64_t file_bytes; /* of the log file, where a new one begins; 0: never */
+    int kept_files;      /* older ones that stay */
     struct list ignored; /* of struct ignored_name, in the order given */
     struct central_limits limits;
+
+    /* Who may connect, and how; all texts are owned. */
+    char *address;   /* of the TCP socket; NULL: all */
+    bool local_only; /* there is no TCP socket */
+    enum allowed_users users;
+    int64_t group;    /* with USERS_GROUP */
+    char *allow_file; /* instead of the system's hosts.allow; NULL: that */
+    char *deny_file;
+
+    /* What scripts and operators see; NULL: none. */
+    char *pid_file;
+    char *port_file;
+    char *metrics; /* address that numbers are shown at */
 };
+
+/* Whether they are of any use only with a file. */
+bool switches_want_file(const struct log_switches *on);
 
 void options_init(struct options *options);
 void options_fini(struct options *options);
@@ -68,12 +92,12 @@ struct options_output {
 enum options_result options_parse(struct options *options, int count, char *const *arguments,
                                   const struct options_output *output);
 
-/* Executes one option typed while the server runs: 0, or ERR_UNKNOWN (said on errors). */
+/* Executes one option typed while the server runs: 0, or an error that was said on errors. */
 int options_type(struct options *options, const char *argument,
                  const struct options_output *output);
 
-/* Appends the version texts of -v, and the lines of -h below its first one (typed: without those
- * that make no sense any more). */
+/* Appends the version texts of -v, and the lines of -h below its first one, which are as old as the
+ * program (typed: without those that make no sense any more). */
 void options_show_version(struct buffer *out);
 void options_show_help(struct buffer *out, bool typed);
 

@@ -26,6 +26,8 @@ struct place {
 
 void pending_pool_init(struct pending_pool *pool)
 {
+    pool->count = 0;
+    pool->bytes = 0;
     pool_init(&pool->places, sizeof(struct place));
     pool_init(&pool->runs, sizeof(struct run));
 }
@@ -230,6 +232,8 @@ static void item_enter(struct pending_flow *flow, struct pending_item *item, siz
     flow->count++;
     flow->queue->count++;
     flow->queue->bytes += bytes;
+    flow->queue->pool->count++;
+    flow->queue->pool->bytes += bytes;
 }
 
 static void item_leave(struct pending_item *item)
@@ -240,6 +244,8 @@ static void item_leave(struct pending_item *item)
     flow->count--;
     flow->queue->count--;
     flow->queue->bytes -= item->bytes;
+    flow->queue->pool->count--;
+    flow->queue->pool->bytes -= item->bytes;
     item->flow = NULL;
 }
 

@@ -55,10 +55,12 @@ struct pending_item {
     size_t bytes;
 };
 
-/* Places and runs, shared by many queues. */
+/* Places and runs, shared by many queues, and what waits in all of these. */
 struct pending_pool {
     struct pool places;
     struct pool runs;
+    size_t count;
+    uint64_t bytes;
 };
 
 struct pending {

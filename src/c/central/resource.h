@@ -33,6 +33,7 @@ struct resource {
     size_t ahead_bytes; /* data of these */
     bool limited;       /* a limit has been set, so what waits may have to be dropped */
     struct pending pending;
+    uint64_t dropped; /* of pending, because it was full */
     bool overflowing; /* pending deliveries were dropped since there was room last */
     struct list waited_for_by; /* modules that have filled pending and are not read meanwhile */
     struct list in_crowded;    /* of the server, while that may be so */

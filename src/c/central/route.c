@@ -35,15 +35,15 @@ static void route_to_taps(struct server *server, struct module *sender, const st
 void route_broadcast(struct server *server, struct module *sender, const struct frame *frame,
                      struct message *message)
 {
+    meter_add(&message->published, server->now_ns, frame->data_length);
     route_copies(server, sender, frame, message);
     if (!list_is_empty(&message->taps)) {
         route_to_taps(server, sender, frame, message);
     }
 }
 
-/* The oldest handler that takes a delivery at once; else the one with the shortest queue. */
-static struct handler *choose_handler(const struct server *server, const struct message *message,
-                                      const struct module *sender)
+struct handler *route_choose(const struct server *server, const struct message *message,
+                             const struct module *sender)
 {
     struct handler *best = NULL;
     struct list *at, *following;
@@ -64,7 +64,8 @@ void route_to_one(struct server *server, struct module *sender, const struct fra
 {
     struct block *shared = frame->block == NULL ? NULL : block_ref(frame->block);
     struct dispatch *dispatch = dispatch_new(&server->dispatches, message, sender, frame);
-    dispatch->handler = choose_handler(server, message, sender);
+    meter_add(&message->published, server->now_ns, frame->data_length);
+    dispatch->handler = route_choose(server, message, sender);
     if (dispatch->handler != NULL) {
         flow_enter(server, dispatch, &shared);
     } else {

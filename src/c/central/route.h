@@ -17,4 +17,9 @@ void route_broadcast(struct server *server, struct module *sender, const struct 
 void route_to_one(struct server *server, struct module *sender, const struct frame *frame,
                   struct message *message);
 
+/* The oldest handler that takes a delivery from that sender at once; else the one with the shortest
+ * queue; NULL when there is none. */
+struct handler *route_choose(const struct server *server, const struct message *message,
+                             const struct module *sender);
+
 #endif

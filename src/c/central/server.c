@@ -11,6 +11,7 @@
 #include "central/ending.h"
 #include "central/log_variables.h"
 #include "central/outbox.h"
+#include "central/resend.h"
 #include "central/tap.h"
 #include "central/value.h"
 #include "platform/platform.h"
@@ -95,13 +96,14 @@ static void init_lists(struct server *server)
     list_init(&server->due);
     list_init(&server->ended);
     list_init(&server->crowded);
+    list_init(&server->losses);
 }
 
 void server_init(struct server *server, struct options *options, int terminal_fd, uint64_t now_ns)
 {
     memset(server, 0, sizeof *server);
     server->options = options;
-    server->now_ns = now_ns;
+    server->start_ns = server->now_ns = now_ns;
     server->clock = clock_ns;
     if (catalogue_init(&server->catalogue) != 0) {
         (void)fputs("ERROR: no memory to start with\n", stderr);
@@ -164,6 +166,7 @@ struct module *server_add_connection(struct server *server, int fd)
     list_append(&server->greeted, &module->in_state);
     server->n_greeted++;
     statistics->n_modules++;
+    statistics->n_accepted++;
     if (statistics->n_modules > statistics->peak_modules) {
         statistics->peak_modules = statistics->n_modules;
     }
@@ -194,6 +197,7 @@ void server_fini(struct server *server)
         ending(server, LIST_OWNER(server->modules.next, struct module, in_server), ENDING_COMMAND);
     }
     drop_waiting(server);
+    resend_fini(server);
     ending_sweep(server);
     tap_free_all(server);
     variable_free_all(server);

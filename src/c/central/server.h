@@ -25,6 +25,9 @@ struct statistics {
     uint64_t n_dropped;  /* deliveries given up because a queue was full */
     uint64_t n_modules;  /* connections now */
     uint64_t peak_modules;
+    uint64_t n_accepted; /* connections ever */
+    uint64_t n_refused;  /* newcomers by access control */
+    uint64_t n_without_descriptor; /* newcomers refused because there were none left */
     uint32_t shortest_body;
     uint32_t longest_body;
     uint64_t working_ns;  /* time not spent waiting */
@@ -34,6 +37,7 @@ struct statistics {
 struct server {
     struct options *options;
     struct log log;
+    uint64_t start_ns;
     uint64_t now_ns; /* monotonic, of this turn */
     uint64_t (*clock)(void);
     struct poller *poller; /* watches the sockets; NULL when there are none */
@@ -75,6 +79,11 @@ struct server {
     struct list due;    /* modules that are due values of watched variables */
     struct list ended;  /* modules to let go at the end of the turn */
     struct list crowded; /* resources for which senders wait */
+
+    /* What ended modules have lost, while somebody is asked whether to send it again. */
+    bool asks_before_resending;
+    struct list losses;
+    size_t n_losses;
 
     struct statistics statistics;
 };

@@ -81,6 +81,7 @@ int sink_flush(struct sink *sink)
         return ERR_IO;
     }
     sink->start += (size_t)n;
+    sink->left += (uint64_t)n;
     compact(sink);
     return sink_waiting(sink) > 0;
 }

@@ -19,6 +19,7 @@ struct sink {
     struct buffer waiting;
     size_t start;  /* of what has not left yet */
     size_t limit;  /* bytes that may wait */
+    uint64_t left; /* bytes that have left, those that the stream held before included */
     uint64_t lost; /* lines since the last note */
     bool failed;   /* the stream refuses for good: everything is dropped */
 };

@@ -17,8 +17,13 @@
 #define NET_SOCKET_DIRECTORY "/tmp/x_ipc"
 #define NET_NAME_SIZE 256 /* enough for any host name or numeric address */
 
-/* Listens on TCP: address NULL means all; *port 0 asks for any free one, and is set to the one in use. */
+/* Listens on TCP at an address, a name or a number, IPv4 or IPv6 (NULL: all of IPv4); *port 0 asks for
+ * any free one, and is set to the one in use: 0, ERR_UNKNOWN (no such address), ERR_IO. */
 int net_listen_tcp(const char *address, int *port, int *fd);
+
+/* Takes over a socket that listens already: whether it is a Unix socket, and its port, or the number
+ * that its path ends in (0: none).  0, or ERR_IO (it is no such socket). */
+int net_adopt(int fd, bool *local, int *port);
 
 #define NET_PATH_SIZE 108 /* bytes of the longest socket path, with its NUL */
 
@@ -31,8 +36,9 @@ struct net_local {
     char path[NET_PATH_SIZE];
 };
 
-/* Listens on a Unix socket under path, making its directory; an abandoned socket there is replaced:
- * 0, ERR_REFUSED (somebody else listens there), ERR_LIMIT (path too long), ERR_IO. */
+/* Listens on a Unix socket under path, making the common directory where that is meant; an abandoned
+ * socket there is replaced: 0, ERR_REFUSED (somebody else listens there), ERR_LIMIT (path too long),
+ * ERR_IO. */
 int net_listen_local(const char *path, unsigned mode, struct net_local *listener);
 
 /* Removes the listener's path if that is still the file it made.  May be called at any time. */
@@ -44,6 +50,13 @@ void net_close_local(struct net_local *listener);
 /* Accepts one connection: 0, or 1 when none is waiting, or ERR_LIMIT (out of descriptors or memory),
  * ERR_IO. */
 int net_accept(int listener, int *fd);
+
+/* A descriptor whose only use is to be given up; -1: none. */
+int net_open_spare(void);
+
+/* Accepts one connection and closes it, for which the spare descriptor makes room for a moment:
+ * 0, 1 when none is waiting, ERR_LIMIT, ERR_IO. */
+int net_refuse(int listener, int *spare);
 
 /* Connects, waiting at most timeout_ms: 0 or ERR_REFUSED, ERR_TIMEOUT, ERR_UNKNOWN (no such host), ERR_IO. */
 int net_connect_tcp(const char *host, int port, int timeout_ms, int *fd);
@@ -69,8 +82,9 @@ void net_close_copy(int fd);
 /* This host's name, cut to size - 1 bytes. */
 void net_host_name(char *name, size_t size);
 
-/* Numeric address of the peer of a TCP connection, "" for others. */
+/* Numeric address of the peer of a TCP connection, or of this end of it; "" for others. */
 void net_peer_address(int fd, char *name, size_t size);
+void net_own_address(int fd, char *name, size_t size);
 
 /* Lets the process have as many descriptors as the system allows, and returns that number. */
 long net_raise_descriptor_limit(void);

@@ -1,6 +1,6 @@
 /*
  * What a server program needs from an operating system besides sockets: its
- * standard streams, files it appends to, signals, the time of day.
+ * standard streams, files it writes, users, signals, the time of day.
  */
 #ifndef IPC_PLATFORM_PROCESS_H
 #define IPC_PLATFORM_PROCESS_H
@@ -18,9 +18,12 @@ enum { STREAM_INPUT = 0, STREAM_OUTPUT = 1, STREAM_ERRORS = 2 };
 /* Makes missing standard streams lead to the null device, so that no socket takes their place. */
 void process_complete_streams(void);
 
-/* Opens a file for writing, emptied unless append: 0 or ERR_IO. */
+/* Opens a file for writing, emptied unless append, without waiting for a reader: 0 or ERR_IO. */
 int stream_open(const char *name, bool append, int *fd);
 void stream_close(int fd);
+
+/* Bytes in a file; 0 for what is none. */
+uint64_t stream_size(int fd);
 
 /* Reads what is there, without waiting: number of bytes, 0 when nothing is there now, ERR_CLOSED at
  * the end, ERR_IO. */
@@ -31,6 +34,37 @@ ptrdiff_t stream_read(int fd, void *bytes, size_t room);
 ptrdiff_t stream_write(int fd, const void *bytes, size_t count);
 
 bool stream_is_terminal(int fd);
+
+/* A file whose content was written at once, and which file it is, so that no other is removed. */
+struct process_file {
+    char *path; /* owned; NULL: none */
+    uint64_t device;
+    uint64_t inode;
+};
+
+/* Writes the text beside the path and renames it there, so that whoever reads it reads all of it:
+ * 0 or ERR_IO (nothing is there then). */
+int process_file_write(struct process_file *file, const char *path, const char *text);
+
+/* Removes the file if it is still the one that was written.  May be called at any time. */
+void process_file_remove(struct process_file *file);
+
+/* This process's number. */
+int64_t process_number(void);
+
+/* -------------------------------------------------------------------- users */
+
+/* The user whose rights this process has. */
+int64_t process_user(void);
+
+/* The number of a group: 0, or ERR_UNKNOWN. */
+int process_find_group(const char *name, int64_t *group);
+
+/* The user at the other end of a Unix socket: 0, or ERR_UNKNOWN where the system does not tell. */
+int process_peer_user(int fd, int64_t *user);
+
+/* Whether the process at the other end of a Unix socket was in a group when it connected. */
+bool process_peer_is_in_group(int fd, int64_t group);
 
 /* ------------------------------------------------------------------ signals */
 
@@ -60,5 +94,9 @@ struct local_time {
 };
 
 void clock_local(struct local_time *time);
+
+/* Universal time to the nanosecond, as in 2026-11-25T03:40:30.123456789Z. */
+enum { CLOCK_UTC_SIZE = 40 };
+void clock_utc(char text[CLOCK_UTC_SIZE]);
 
 #endif

@@ -96,11 +96,70 @@ static void what_is_unknown_is_said_and_ignored(void **state)
 {
     struct fixture f;
     (void)state;
-    assert_int_equal(parse(&f, "-z -u -v - --what"), OPTIONS_GO);
+    assert_int_equal(parse(&f, "-z -u -v - --"), OPTIONS_GO);
     assert_false(f.options.read_commands);
     assert_text(&f.errors, "Ignoring unknown option '-z'\nIgnoring unknown option '-v'\n"
-                           "Ignoring unknown option '-'\nIgnoring unknown option '--what'\n");
+                           "Ignoring unknown option '-'\nIgnoring unknown option '--'\n");
     close_fixture(&f);
+}
+
+static void words_do_what_letters_do(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "--port=2100 --direct --silent --no-console --resend --log=mt "
+                               "--file-log=dn --log-file=a.log --ignore=Ping "
+                               "--expected-modules=4"),
+                     OPTIONS_GO);
+    assert_int_equal(f.options.port, 2100);
+    assert_int_equal(f.options.expected, 4);
+    assert_true(f.options.direct && f.options.silent && f.options.resend);
+    assert_false(f.options.read_commands);
+    assert_true(f.options.terminal.messages && f.options.terminal.time);
+    assert_false(f.options.terminal.status || f.options.terminal.ignore);
+    assert_true(f.options.file.data);
+    assert_false(f.options.file.messages || f.options.file.comments);
+    assert_string_equal(f.options.file_name, "a.log");
+    assert_false(list_is_empty(&f.options.ignored));
+    close_fixture(&f);
+}
+
+static void a_word_may_have_its_value_in_the_next_argument(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "--port 2100 3 --log --log-file 5.log"), OPTIONS_GO);
+    assert_int_equal(f.options.port, 2100);
+    assert_int_equal(f.options.expected, 3); /* the other numbers are values */
+    assert_string_equal(f.options.file_name, "5.log");
+    assert_true(f.options.terminal.summary); /* the letters of a log stand behind = only */
+    close_fixture(&f);
+}
+
+static void wrong_words_are_refused(void **state)
+{
+    static const struct {
+        const char *line;
+        const char *says;
+    } cases[] = {
+        {"--what", "Unknown option --what (--help lists all)\n"},
+        {"--por=5", "Unknown option --por=5 (--help lists all)\n"},
+        {"--direct=yes", "The option --direct takes no value\n"},
+        {"--port", "The option --port needs a value\n"},
+        {"--log-file= -u", "The option --log-file needs a value\n"},
+        {"--port=5x", "Illegal port 5x\n"},
+        {"--port=x", "Illegal port x\n"},
+        {"--expected-modules=0", "Illegal number of modules 0\n"},
+        {"--expected-modules 3x", "Illegal number of modules 3x\n"},
+        {"--what --that", "Unknown option --what (--help lists all)\n"}, /* one line is enough */
+    };
+    (void)state;
+    for (size_t i = 0; i < N_ELEMENTS(cases); i++) {
+        struct fixture f;
+        assert_int_equal(parse(&f, cases[i].line), OPTIONS_WRONG);
+        assert_text(&f.errors, cases[i].says);
+        close_fixture(&f);
+    }
 }
 
 static void impossible_ports_are_refused(void **state)
@@ -153,6 +212,68 @@ static void wrong_limits_are_refused(void **state)
         assert_int_equal(f.options.limits.pending_bytes, 1073741824);
         close_fixture(&f);
     }
+}
+
+static void who_may_connect_and_how(void **state)
+{
+    static const struct {
+        const char *line;
+        enum allowed_users users;
+        bool local_only;
+        const char *address;
+    } lines[] = {
+        {"", USERS_ALL, false, NULL},
+        {"--bind=127.0.0.1", USERS_ALL, false, "127.0.0.1"},
+        {"--bind ::1", USERS_ALL, false, "::1"},
+        {"--bind=robot --bind=local", USERS_ALL, true, NULL},
+        {"--bind=local --bind=robot", USERS_ALL, false, "robot"},
+        {"--access=owner", USERS_OWNER, false, NULL},
+        {"--access=owner --bind=local", USERS_OWNER, true, NULL},
+        {"--access=owner --access=all --bind=robot", USERS_ALL, false, "robot"},
+    };
+    struct fixture f;
+    (void)state;
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        assert_int_equal(parse(&f, lines[i].line), OPTIONS_GO);
+        assert_int_equal(f.options.users, lines[i].users);
+        assert_int_equal(f.options.local_only, lines[i].local_only);
+        if (lines[i].address == NULL) {
+            assert_null(f.options.address);
+        } else {
+            assert_string_equal(f.options.address, lines[i].address);
+        }
+        close_fixture(&f);
+    }
+    assert_int_equal(parse(&f, "--access=group=0"), OPTIONS_GO);
+    assert_int_equal(f.options.users, USERS_GROUP);
+    assert_int_equal(f.options.group, 0);
+    close_fixture(&f);
+}
+
+static void users_that_tcp_cannot_tell_and_no_users_are_refused(void **state)
+{
+    static const char *const lines[] = {"--access=owner --bind=robot", "--bind=robot --access=owner",
+                                        "--access=everybody", "--access=group=", "--access",
+                                        "--access=group=no-such-group"};
+    struct fixture f;
+    (void)state;
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        assert_int_equal(parse(&f, lines[i]), OPTIONS_WRONG);
+        assert_true(f.errors.length > 0);
+        close_fixture(&f);
+    }
+}
+
+static void files_and_addresses_are_kept(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "--pid-file=a --pid-file=b --port-file=c --metrics=9123"),
+                     OPTIONS_GO);
+    assert_string_equal(f.options.pid_file, "b");
+    assert_string_equal(f.options.port_file, "c");
+    assert_string_equal(f.options.metrics, "9123");
+    close_fixture(&f);
 }
 
 static void log_letters(void **state)
@@ -211,8 +332,11 @@ static void the_listing_and_the_version_are_shown_alone(void **state)
     assert_non_null(strstr((char *)f.out.bytes,
                            "\n --limit-progress-seconds=<number>: senders wait for a receiver that "
                            "finishes nothing - the default is: 0.25\n"));
+    assert_non_null(strstr((char *)f.out.bytes, "\n -p<port>, --port=<port>: specify the server "
+                                                "port - the default port is: 1381\n"));
     close_fixture(&f);
     assert_int_equal(parse(&f, "-p5 --version"), OPTIONS_SHOWN);
+    assert_int_equal(strncmp((char *)f.out.bytes, "Task Control Server 4.", 22), 0);
     close_fixture(&f);
 }
 
@@ -252,6 +376,9 @@ static void typed_options(void **state)
     assert_false(f.options.silent); /* asking for a log ends silence */
     assert_int_equal(options_type(&f.options, "-p99", &output), 0);
     assert_int_equal(f.options.port, 1381);
+    assert_int_equal(options_type(&f.options, "--port", &output), ERR_RANGE);
+    assert_int_equal(options_type(&f.options, "--log=d", &output), 0);
+    assert_true(f.options.terminal.data);
     assert_int_equal(options_type(&f.options, "-fx.log", &output), 0);
     assert_int_equal(options_type(&f.options, "-z", &output), ERR_UNKNOWN);
     assert_text(&f.out, "The port cannot be changed while running\nLogging File Name: x.log\n");
@@ -264,9 +391,15 @@ int main(void)
         cmocka_unit_test(the_defaults),
         cmocka_unit_test(options_are_single_arguments),
         cmocka_unit_test(what_is_unknown_is_said_and_ignored),
+        cmocka_unit_test(words_do_what_letters_do),
+        cmocka_unit_test(a_word_may_have_its_value_in_the_next_argument),
+        cmocka_unit_test(wrong_words_are_refused),
         cmocka_unit_test(impossible_ports_are_refused),
         cmocka_unit_test(limits_are_set_by_name),
         cmocka_unit_test(wrong_limits_are_refused),
+        cmocka_unit_test(who_may_connect_and_how),
+        cmocka_unit_test(users_that_tcp_cannot_tell_and_no_users_are_refused),
+        cmocka_unit_test(files_and_addresses_are_kept),
         cmocka_unit_test(log_letters),
         cmocka_unit_test(the_listing_and_the_version_are_shown_alone),
         cmocka_unit_test(names_to_ignore_come_from_options_and_files),

@@ -12,6 +12,7 @@
 #include <arpa/inet.h>
 #include <poll.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -81,37 +82,109 @@ static int close_with(int fd, int error)
 
 /* --------------------------------------------------------------- listening */
 
-static int fill_ipv4(const char *address, int port, struct sockaddr_in *name)
+static int listen_at(const struct addrinfo *place, int *fd)
 {
-    memset(name, 0, sizeof *name);
-    name->sin_family = AF_INET;
-    name->sin_port = htons((uint16_t)port);
-    name->sin_addr.s_addr = htonl(INADDR_ANY);
-    if (address != NULL && inet_pton(AF_INET, address, &name->sin_addr) != 1) {
-        return ERR_UNKNOWN;
+    const int error = new_socket(place->ai_family, fd);
+    if (error != 0) {
+        return error;
     }
+    const int on = 1;
+    (void)setsockopt(*fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (bind(*fd, place->ai_addr, place->ai_addrlen) < 0 || listen(*fd, BACKLOG) < 0) {
+        return close_with(*fd, ERR_IO);
+    }
+    return 0;
+}
+
+static int port_of(const struct sockaddr_storage *name)
+{
+    switch (name->ss_family) {
+    case AF_INET:
+        return ntohs(((const struct sockaddr_in *)(const void *)name)->sin_port);
+    case AF_INET6:
+        return ntohs(((const struct sockaddr_in6 *)(const void *)name)->sin6_port);
+    default:
+        return 0;
+    }
+}
+
+static int listen_at_first(const struct addrinfo *places, int *port, int *fd)
+{
+    struct sockaddr_storage name;
+    socklen_t length = sizeof name;
+    int error = ERR_UNKNOWN;
+    for (const struct addrinfo *place = places; place != NULL && error != 0;
+         place = place->ai_next) {
+        error = listen_at(place, fd);
+    }
+    if (error != 0) {
+        return error;
+    }
+    if (getsockname(*fd, (struct sockaddr *)&name, &length) < 0) {
+        return close_with(*fd, ERR_IO);
+    }
+    *port = port_of(&name);
     return 0;
 }
 
 int net_listen_tcp(const char *address, int *port, int *fd)
 {
-    struct sockaddr_in name;
-    int error = fill_ipv4(address, *port, &name);
-    if (error != 0) {
-        return error;
+    struct addrinfo hints;
+    struct addrinfo *places;
+    char service[16];
+    memset(&hints, 0, sizeof hints);
+    hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+    hints.ai_family = AF_INET; /* modules of CMU IPC have no other, so names mean that first */
+    hints.ai_socktype = SOCK_STREAM;
+    snprintf(service, sizeof service, "%d", *port);
+    if (getaddrinfo(address, service, &hints, &places) != 0) {
+        hints.ai_family = AF_INET6;
+        if (getaddrinfo(address, service, &hints, &places) != 0) {
+            return ERR_UNKNOWN;
+        }
     }
-    error = new_socket(AF_INET, fd);
-    if (error != 0) {
-        return error;
-    }
-    const int on = 1;
+    const int error = listen_at_first(places, port, fd);
+    const int saved = errno;
+    freeaddrinfo(places);
+    errno = saved;
+    return error;
+}
+
+static bool listens(int fd)
+{
+    int type = 0;
+    int on = 0;
+    socklen_t length = sizeof type;
+    const bool is_stream =
+        getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &length) == 0 && type == SOCK_STREAM;
+    length = sizeof on;
+    return is_stream && getsockopt(fd, SOL_SOCKET, SO_ACCEPTCONN, &on, &length) == 0 && on != 0;
+}
+
+/* The number at the end of a path, 0: none. */
+static int number_of_path(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const char *name = slash == NULL ? path : slash + 1;
+    const size_t length = strspn(name, "0123456789");
+    return length > 0 && length <= 5 && name[length] == '\0' ? atoi(name) : 0;
+}
+
+int net_adopt(int fd, bool *local, int *port)
+{
+    union {
+        struct sockaddr_storage any;
+        struct sockaddr_un local;
+    } name;
     socklen_t length = sizeof name;
-    (void)setsockopt(*fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    if (bind(*fd, (struct sockaddr *)&name, sizeof name) < 0 || listen(*fd, BACKLOG) < 0 ||
-        getsockname(*fd, (struct sockaddr *)&name, &length) < 0) {
-        return close_with(*fd, ERR_IO);
+    memset(&name, 0, sizeof name); /* so that a path has its end */
+    /* Who connects is told which process has called listen last; that is the one that accepts. */
+    if (!listens(fd) || getsockname(fd, (struct sockaddr *)&name, &length) < 0 ||
+        ready_socket(fd) != 0 || listen(fd, BACKLOG) < 0) {
+        return ERR_IO;
     }
-    *port = ntohs(name.sin_port);
+    *local = name.any.ss_family == AF_UNIX;
+    *port = *local ? number_of_path(name.local.sun_path) : port_of(&name.any);
     return 0;
 }
 
@@ -126,31 +199,29 @@ static int fill_local(const char *path, struct sockaddr_un *name)
     return 0;
 }
 
-/* Everybody may make sockets in the directory, nobody may remove another's. */
+/* Everybody may make sockets in the common directory, nobody may remove another's. */
 static void make_directory_of(const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    if (slash == NULL || slash == path) {
-        return;
-    }
-    char directory[NET_PATH_SIZE];
-    const size_t length = (size_t)(slash - path);
-    memcpy(directory, path, length);
-    directory[length] = '\0';
-    if (mkdir(directory, 0777) == 0) {
-        (void)chmod(directory, S_ISVTX | 0777); /* the umask has cut mkdir's mode; bind reports what matters */
+    if (strncmp(path, NET_SOCKET_DIRECTORY "/", sizeof NET_SOCKET_DIRECTORY) == 0 &&
+        mkdir(NET_SOCKET_DIRECTORY, 0777) == 0) {
+        /* The umask has cut mkdir's mode; bind reports what matters. */
+        (void)chmod(NET_SOCKET_DIRECTORY, S_ISVTX | 0777);
     }
 }
 
-/* Removes a socket on which nobody listens any more: 0, or ERR_REFUSED when it is in use. */
+/* Removes a socket on which nobody listens any more: 0, ERR_REFUSED when it is in use, ERR_IO. */
 static int remove_abandoned(const char *path)
 {
     struct stat status;
     if (lstat(path, &status) < 0) {
         return 0;
     }
+    if (!S_ISSOCK(status.st_mode)) {
+        errno = EEXIST; /* somebody's file, whatever it is */
+        return ERR_IO;
+    }
     int fd;
-    if (S_ISSOCK(status.st_mode) && net_connect_local(path, &fd) == 0) {
+    if (net_connect_local(path, &fd) == 0) {
         net_close(fd);
         return ERR_REFUSED;
     }
@@ -236,6 +307,26 @@ int net_accept(int listener, int *fd)
         tune_local(*fd);
     }
     return 0;
+}
+
+int net_open_spare(void)
+{
+    return open("/dev/null", O_RDONLY | O_CLOEXEC);
+}
+
+int net_refuse(int listener, int *spare)
+{
+    if (*spare < 0) {
+        return ERR_LIMIT;
+    }
+    close(*spare);
+    int fd;
+    const int result = net_accept(listener, &fd);
+    if (result == 0) {
+        net_close(fd);
+    }
+    *spare = net_open_spare();
+    return result;
 }
 
 /* -------------------------------------------------------------- connecting */
@@ -396,10 +487,32 @@ void net_close_copy(int fd)
 
 void net_host_name(char *name, size_t size)
 {
-    if (gethostname(name, size) != 0) {
-        snprintf(name, size, "localhost");
+    char whole[NET_NAME_SIZE]; /* a name that has no room is an error to some systems */
+    if (gethostname(whole, sizeof whole) != 0) {
+        snprintf(whole, sizeof whole, "localhost");
     }
-    name[size - 1] = '\0'; /* a cut name need not be terminated */
+    whole[sizeof whole - 1] = '\0';
+    snprintf(name, size, "%s", whole);
+}
+
+/* The text of an address, "" for those that are not of the Internet.  An IPv4 address in IPv6's
+ * clothing is shown as what it is, and a link's address without its link. */
+static void write_address(const struct sockaddr_storage *address, socklen_t length, char *name,
+                          size_t size)
+{
+    static const char mapped[] = "::ffff:";
+    name[0] = '\0';
+    if (address->ss_family != AF_INET && address->ss_family != AF_INET6) {
+        return;
+    }
+    if (getnameinfo((const struct sockaddr *)address, length, name, (socklen_t)size, NULL, 0,
+                    NI_NUMERICHOST) != 0) {
+        name[0] = '\0';
+    }
+    name[strcspn(name, "%")] = '\0';
+    if (strncmp(name, mapped, sizeof mapped - 1) == 0 && strchr(name, '.') != NULL) {
+        memmove(name, name + sizeof mapped - 1, strlen(name) - (sizeof mapped - 1) + 1);
+    }
 }
 
 void net_peer_address(int fd, char *name, size_t size)
@@ -407,14 +520,18 @@ void net_peer_address(int fd, char *name, size_t size)
     struct sockaddr_storage address;
     socklen_t length = sizeof address;
     name[0] = '\0';
-    if (getpeername(fd, (struct sockaddr *)&address, &length) < 0) {
-        return;
+    if (getpeername(fd, (struct sockaddr *)&address, &length) == 0) {
+        write_address(&address, length, name, size);
     }
-    if (address.ss_family == AF_INET || address.ss_family == AF_INET6) {
-        if (getnameinfo((struct sockaddr *)&address, length, name, (socklen_t)size, NULL, 0,
-                        NI_NUMERICHOST) != 0) {
-            name[0] = '\0';
-        }
+}
+
+void net_own_address(int fd, char *name, size_t size)
+{
+    struct sockaddr_storage address;
+    socklen_t length = sizeof address;
+    name[0] = '\0';
+    if (getsockname(fd, (struct sockaddr *)&address, &length) == 0) {
+        write_address(&address, length, name, size);
     }
 }
 

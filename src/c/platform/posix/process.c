@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/time.h>
@@ -33,13 +34,20 @@ void process_complete_streams(void)
 
 int stream_open(const char *name, bool append, int *fd)
 {
-    *fd = open(name, O_WRONLY | O_CREAT | O_CLOEXEC | (append ? O_APPEND : O_TRUNC), 0666);
+    *fd = open(name, O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK | (append ? O_APPEND : O_TRUNC),
+               0666);
     return *fd < 0 ? ERR_IO : 0;
 }
 
 void stream_close(int fd)
 {
     close(fd);
+}
+
+uint64_t stream_size(int fd)
+{
+    struct stat status;
+    return fstat(fd, &status) == 0 && S_ISREG(status.st_mode) ? (uint64_t)status.st_size : 0;
 }
 
 static bool is_ready(int fd, short events)
@@ -202,4 +210,16 @@ void clock_local(struct local_time *local)
     local->second = parts.tm_sec;
     local->hundredths = (int)(now.tv_usec / 10000);
     local->epoch = (int64_t)seconds;
+}
+
+void clock_utc(char text[CLOCK_UTC_SIZE])
+{
+    struct timespec now = {0, 0};
+    struct tm parts;
+    char seconds[CLOCK_UTC_SIZE];
+    clock_gettime(CLOCK_REALTIME, &now);
+    memset(&parts, 0, sizeof parts);
+    gmtime_r(&now.tv_sec, &parts);
+    (void)strftime(seconds, sizeof seconds, "%Y-%m-%dT%H:%M:%S", &parts);
+    (void)snprintf(text, CLOCK_UTC_SIZE, "%.20s.%09ldZ", seconds, now.tv_nsec);
 }
