@@ -11,6 +11,9 @@ if(TARGET ipc_static)
 endif()
 if(TARGET central)
     install(TARGETS central killCentral killModule RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(FILES ${PROJECT_SOURCE_DIR}/src/c/shell/killCentral.1
+                  ${PROJECT_SOURCE_DIR}/src/c/shell/killModule.1
+        DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
     # The commands find the library of their own prefix, wherever that is.
     file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
     set_target_properties(killCentral killModule PROPERTIES INSTALL_RPATH $ORIGIN/${bin_to_lib})
@@ -28,6 +31,12 @@ endif()
 if(TARGET xdrgen)
     install(TARGETS xdrgen EXPORT ipcTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
     install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/xdrgen.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/completions/xdrgen.bash
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/completions/_xdrgen
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/completions/xdrgen.fish
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
     install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/ipcXdrgen.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ipc)
 endif()

@@ -549,7 +549,7 @@ extern FORMATTER_PTR IPC_parseFormat(const char *formatString);
  * Gives a format a name, which formats of all modules may then use; a later
  * definition wins. [6.2]
  * Errors: IPC_Null_Argument, IPC_Not_Connected (nor initialised),
- * IPC_Communication_Error.
+ * IPC_Illegal_Formatter (the name of a primitive type), IPC_Communication_Error.
  */
 extern IPC_RETURN_TYPE IPC_defineFormat(const char *formatName, const char *formatString);
 
@@ -669,7 +669,7 @@ extern IPC_RETURN_TYPE IPC_printData(FORMATTER_PTR formatter, FILE *stream, void
  * the caller frees with IPC_freeData().  Not in the manual.
  *   dataHandle  gets the value, NULL on error
  * Errors: IPC_Not_Initialized, IPC_Illegal_Formatter, IPC_Null_Argument,
- * IPC_Argument_Out_Of_Range (the text is no such value).
+ * IPC_Mismatched_Formatter (the text is no such value).
  */
 extern IPC_RETURN_TYPE IPC_readData(FORMATTER_PTR formatter, FILE *stream, void **dataHandle);
 

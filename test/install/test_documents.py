@@ -1,10 +1,10 @@
-"""The documents: their links lead somewhere, and their programs work."""
+"""The documents: their links lead somewhere, and what they name exists."""
 import os
 import re
 
 import pytest
 
-from install.tools import ROOT, run, tool
+from install.tools import ROOT, links_to_files, run
 
 
 def documents():
@@ -23,11 +23,20 @@ def text_of(document):
 
 @pytest.mark.parametrize("document", sorted(documents()))
 def test_links_to_files_lead_to_files(document):
-    links = re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", re.sub("```.*?```", "", text_of(document),
-                                                          flags=re.DOTALL))
-    folder = os.path.dirname(os.path.join(ROOT, document))
-    missing = [link for link in links if not re.match(r"\w+:", link)
-               and not os.path.exists(os.path.join(folder, link))]
+    path = os.path.join(ROOT, document)
+    missing = [link for link in links_to_files(path)
+               if not os.path.exists(os.path.join(os.path.dirname(path), link))]
+    assert not missing
+
+
+@pytest.mark.parametrize("document", sorted(documents()))
+def test_links_into_documents_lead_to_headings(document):
+    missing = []
+    for target, heading in re.findall(r"\]\(([\w./-]*)#([\w-]+)\)", text_of(document)):
+        path = os.path.join(os.path.dirname(document), target) if target else document
+        headings = re.findall(r"^#+ (.*)$", text_of(path), re.MULTILINE)
+        if heading not in {re.sub(r"[^\w -]", "", one.lower()).replace(" ", "-") for one in headings}:
+            missing.append(f"{target}#{heading}")
     assert not missing
 
 
@@ -39,16 +48,6 @@ def test_files_that_the_map_of_the_code_names_exist():
     missing = [name for name in names
                if not any(os.path.exists(os.path.join(ROOT, place, name)) for place in places)]
     assert not missing
-
-
-def test_the_first_program_of_the_readme_works(build, installation, central, tmp_path):
-    program = re.search("```c\n(.*?)```", text_of("README.md"), re.DOTALL).group(1)
-    (tmp_path / "hello.c").write_text(program)
-    flags = run(tool("pkg-config"), "--cflags", "--libs", "ipc", env=installation.env).split()
-    run(build.compiler, *build.flags, "-Wall", "-Wextra", "-Werror", tmp_path / "hello.c", "-o",
-        tmp_path / "hello", *flags)
-    said = run(tmp_path / "hello", env={**installation.env, "CENTRALHOST": central.address})
-    assert said.endswith("position: 1.5 2.5\n")
 
 
 def test_the_options_that_the_chapter_on_central_names_exist(central_program):

@@ -1,13 +1,16 @@
 """`cmake --install`, and programs that are built with what it has installed."""
 import os
+import re
 
 import pytest
 
-from install.tools import Installation, run, tool
+from install.tools import Installation, links_to_files, run, tool
 
 EXPECTED = {"central", "ipc.h", "ipcx.h", "ipc.pc", "ipcConfig.cmake", "ipcConfigVersion.cmake",
             "ipcTargets.cmake", "killCentral", "killModule", "libipc.a", "libipc.so", "libipc.so.1",
             "LICENSE", "xdrgen"}
+PAGES = {"man1": {"xdrgen.1", "killCentral.1", "killModule.1"}, "man5": {"ipc-format.5"},
+         "man7": {"ipc.7"}, "man3": {"IPC_connect.3", "IPC_errno.3", "IPCx_fd.3", "killModule.3"}}
 OUTPUT = '{1, "two"}\n'
 
 
@@ -19,8 +22,32 @@ def test_everything_that_users_need_is_installed_in_its_place(installation):
 
 
 def test_nothing_private_is_installed(installation):
-    headers = [file for file in installation.files if file.endswith(".h")]
+    headers = [file for file in installation.files
+               if file.endswith(".h") and not file.startswith("share/doc/")]
     assert headers == ["include/ipc/ipc.h", "include/ipc/ipcx.h"]
+
+
+@pytest.mark.parametrize("folder", sorted(PAGES))
+def test_manual_pages_are_where_man_looks_for_them(folder, installation):
+    found = {os.path.basename(file) for file in installation.files
+             if file.startswith(f"share/man/{folder}/")}
+    assert PAGES[folder] <= found
+
+
+@pytest.mark.parametrize("page", ["IPC_queryResponseData", "IPCx_process", "ipc", "ipc-format",
+                                  "xdrgen", "killCentral"])
+def test_man_finds_the_manual_pages(page, installation):
+    path = run(tool("man"), "-M", os.path.join(installation.prefix, "share/man"), "-w", page)
+    assert os.path.basename(path.strip()).startswith(f"{page}.")
+
+
+def test_documents_are_installed_and_lead_to_each_other(installation):
+    documents = [os.path.join(installation.prefix, file) for file in installation.files
+                 if re.fullmatch(r"share/doc/.*\.md", file)]
+    assert any(file.endswith("docs/manual/README.md") for file in documents)
+    missing = {(document, link) for document in documents for link in links_to_files(document)
+               if not os.path.exists(os.path.join(os.path.dirname(document), link))}
+    assert not missing
 
 
 def test_the_installed_server_runs(installation):

@@ -31,6 +31,13 @@ def test_an_unspecified_build_is_optimised_and_has_no_tests(tmp_path):
     assert "IPC_BUILD_TESTS:BOOL=OFF" in cache_of(tmp_path)
 
 
+@pytest.mark.parametrize("awk", ["awk", "OFF"])
+def test_without_awk_only_the_pages_that_it_makes_are_left_out(tmp_path, awk):
+    said = configure(tmp_path, f"-DIPC_AWK={awk}")
+    targets = run("cmake", "--build", tmp_path, "--target", "help")
+    assert ("ipc_manual" in targets) == ("No awk" not in said) == (awk == "awk")
+
+
 @pytest.mark.parametrize("shared", ["ON", "OFF"])
 def test_build_shared_libs_chooses_the_library(tmp_path, shared):
     configure(tmp_path, f"-DBUILD_SHARED_LIBS={shared}")

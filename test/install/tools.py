@@ -28,6 +28,14 @@ def tool(name):
     return path
 
 
+def links_to_files(document):
+    """The targets of a Markdown document's links that are not elsewhere in the world."""
+    with open(document, encoding="utf-8") as file:
+        text = re.sub("```.*?```", "", file.read(), flags=re.DOTALL)
+    links = re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", text)
+    return [link for link in links if not re.match(r"\w+:", link)]
+
+
 class Build:
     """A finished build of the project."""
 

@@ -1,0 +1,12 @@
+# Completion of xdrgen's command line, for fish.
+complete -c xdrgen -s h -l help -d 'Print a summary of the options'
+complete -c xdrgen -l version -d 'Print the version'
+complete -c xdrgen -l lang -x -a 'c c++ python json' -d 'What to write'
+complete -c xdrgen -l register -d 'Add a function that defines the formats at central'
+complete -c xdrgen -l directives -x -a 'portable gcc none' -d 'Form of the directives that tell lines'
+complete -c xdrgen -s D -x -d 'Accepted, without effect'
+complete -c xdrgen -s I -x -d 'Accepted, without effect'
+complete -c xdrgen -s v -l verbose -d 'Name the steps'
+complete -c xdrgen -s n -l no-header -d 'Only check the specification'
+complete -c xdrgen -l spec -d 'Print the declarations as they were understood'
+complete -c xdrgen -l formats -d 'Print the formats of all types'
