@@ -132,9 +132,10 @@ def await_line():
 
 @pytest.fixture
 def start_program(stack, compiler):
-    """Compiles a module program and starts it with a library against a central."""
-    def start(source, library, central, *, includes=(), **options):
-        program = compiler.program(source, library, includes=includes,
+    """Compiles a module program, linked with a library, and starts it with the same library or
+    another one against a central."""
+    def start(source, library, central, *, linked=None, includes=(), **options):
+        program = compiler.program(source, linked or library, includes=includes,
                                    flags=["-std=gnu99", "-w"])
         environment = {"CENTRALHOST": central.address if central else "localhost:1",
                        **library.environment()}
