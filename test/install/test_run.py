@@ -1,5 +1,6 @@
 """The script `run` at the root, as far as it can be tried from within a test that it runs."""
 import os
+import re
 import subprocess
 
 import pytest
@@ -16,6 +17,11 @@ def test_help_is_on_standard_output():
     done = run_script("help")
     assert (done.returncode, done.stderr) == (0, "")
     assert all(command in done.stdout for command in ("demo", "test", "install", "--prefix"))
+
+
+def test_help_names_files_that_are_there():
+    for name in re.findall(r"\S+\.md", run_script("help").stdout):
+        assert os.path.exists(os.path.join(ROOT, name)), name
 
 
 @pytest.mark.parametrize("arguments", [

@@ -8,7 +8,8 @@ import pytest
 from support.processes import Central, Process
 from support.waiting import Deadline, PATIENCE, SLOW, TimedOut
 
-MIXES = ["-".join(mix) for mix in itertools.product(("ours", "theirs"), repeat=3)]
+WHO = ("ours", "theirs")
+MIXES = ["-".join(mix) for mix in itertools.product(WHO, repeat=3)]
 
 
 class Mix:
@@ -21,22 +22,29 @@ class Mix:
         self.central_is_original = central == "theirs"
         self.central_program = centrals[central]()
 
-    @property
-    def all_ours(self):
-        return self.name == "ours-ours-ours"
+
+@pytest.fixture
+def libraries(request):
+    """Whose library → a function that gives it, or skips the test where there is none."""
+    return {"ours": lambda: request.getfixturevalue("library"),
+            "theirs": lambda: request.getfixturevalue("original_library")}
 
 
 @pytest.fixture(params=MIXES)
-def mix(request, pytestconfig):
+def mix(request, libraries, pytestconfig):
     """All eight combinations of first module, second module and central; needs the originals for
     seven."""
-    def get(name):
-        return lambda: request.getfixturevalue(name)
     if pytestconfig.ipc_central_is_original and request.param.endswith("ours"):
         pytest.skip("the central under test is an original")
-    return Mix(request.param,
-               {"ours": get("library"), "theirs": get("original_library")},
-               {"ours": get("central_program"), "theirs": get("original_central_program")})
+    return Mix(request.param, libraries,
+               {"ours": lambda: request.getfixturevalue("central_program"),
+                "theirs": lambda: request.getfixturevalue("original_central_program")})
+
+
+@pytest.fixture(params=["routed", "direct"])
+def way(request):
+    """How messages travel: through central, or from module to module (central -c)."""
+    return request.param
 
 
 @pytest.fixture
@@ -49,11 +57,56 @@ def mixed_central(mix, stack):
 
 
 @pytest.fixture
-def pair(mix, mixed_central, start_driver):
+def server(way, mixed_central):
+    """The central of the mix, started for that way."""
+    return mixed_central(*(["-c"] if way == "direct" else []))
+
+
+@pytest.fixture
+def pair(mix, server, start_driver):
     """Two connected driver modules of the mix, FIRST and SECOND."""
-    central = mixed_central()
-    return tuple(start_driver(name, using=library).connect(central.address)
+    return tuple(start_driver(name, using=library).connect(server.address)
                  for name, library in (("FIRST", mix.first), ("SECOND", mix.second)))
+
+
+@pytest.fixture(params=WHO)
+def trio(request, libraries, pair, server, start_driver):
+    """FIRST, SECOND and a THIRD one, of either library."""
+    third = start_driver("THIRD", using=libraries[request.param]())
+    return (*pair, third.connect(server.address))
+
+
+@pytest.fixture
+def settle():
+    """Lets modules take in updates of the list of subscribed messages, which originals need to
+    publish.
+
+    A round trip first, so that central has handled everything the module has sent.
+    """
+    def take_in(*drivers):
+        for driver in drivers:
+            driver.do("is_defined", "settled")
+        for driver in drivers:
+            driver.do("listen_clear", 25)
+    return take_in
+
+
+@pytest.fixture
+def prime(settle):
+    """Lets a module subscribe to messages, and another one publish each of them once.
+
+    The first messages of a subscription may come in any order to an original; from then on the
+    order is known.
+    """
+    def subscribed(publisher, subscriber, *messages, handlers=(0,)):
+        for name in messages:
+            for handler in handlers:
+                subscriber.must("subscribe", name, handler)
+        settle(subscriber, publisher)
+        for name in messages:
+            publisher.must("publish", name, "first")
+            subscriber.gather(len(handlers))
+    return subscribed
 
 
 @pytest.fixture
@@ -79,9 +132,10 @@ def await_line():
 
 @pytest.fixture
 def start_program(stack, compiler):
-    """Compiles a module program and starts it with a library against a central."""
-    def start(source, library, central, *, includes=(), **options):
-        program = compiler.program(source, library, includes=includes,
+    """Compiles a module program, linked with a library, and starts it with the same library or
+    another one against a central."""
+    def start(source, library, central, *, linked=None, includes=(), **options):
+        program = compiler.program(source, linked or library, includes=includes,
                                    flags=["-std=gnu99", "-w"])
         environment = {"CENTRALHOST": central.address if central else "localhost:1",
                        **library.environment()}

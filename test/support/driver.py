@@ -24,6 +24,8 @@ def _word(value):
     if value is None:
         return "-"
     text = value.decode("latin-1") if isinstance(value, bytes) else str(value)
+    if text == "":
+        return "%00"
     return urllib.parse.quote(text, safe="{}<>[]:,*!/.+_-()=#", encoding="latin-1") \
         if text != "-" else "%2d"
 

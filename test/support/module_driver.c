@@ -60,6 +60,15 @@ struct numbers {
     int count;
     int *items;
 };
+struct strings {
+    int count;
+    char **items;
+};
+struct nested {
+    int number;
+    struct sample sample;
+    int fixed[3];
+};
 
 /* The state that handlers and commands share; handlers get no other way to it. */
 static struct {
@@ -343,6 +352,8 @@ union value {
     struct sample sample;
     struct link links[ELEMENTS];
     struct numbers numbers;
+    struct strings strings;
+    struct nested nested;
 };
 
 static void *value_of_list(char **words, int count, union value *value)
@@ -364,6 +375,24 @@ static void *value_of_numbers(char **words, int count, union value *value, int *
     return &value->numbers;
 }
 
+static void fill_sample(char **words, struct sample *sample)
+{
+    sample->number = atoi(words[0]);
+    sample->real = atof(words[1]);
+    sample->text = words[2];
+}
+
+/* nested NUMBER SAMPLE... FIXED... */
+static void *value_of_nested(char **words, int count, union value *value)
+{
+    value->nested.number = atoi(words[0]);
+    fill_sample(words + 1, &value->nested.sample);
+    for (int i = 0; i < 3; i++) {
+        value->nested.fixed[i] = 4 + i < count ? atoi(words[4 + i]) : 0;
+    }
+    return value;
+}
+
 static void *value_of(char **words, int count, union value *value, int *items)
 {
     const char *kind = words[0];
@@ -377,9 +406,12 @@ static void *value_of(char **words, int count, union value *value, int *items)
     } else if (strcmp(kind, "string") == 0) {
         value->text = words[1];
     } else if (strcmp(kind, "sample") == 0) {
-        value->sample.number = atoi(words[1]);
-        value->sample.real = atof(words[2]);
-        value->sample.text = words[3];
+        fill_sample(words + 1, &value->sample);
+    } else if (strcmp(kind, "nested") == 0) {
+        return value_of_nested(words + 1, count - 1, value);
+    } else if (strcmp(kind, "strings") == 0) {
+        value->strings.count = count - 1;
+        value->strings.items = words + 1;
     } else if (strcmp(kind, "list") == 0) {
         return value_of_list(words + 1, count - 1, value);
     } else if (strcmp(kind, "numbers") == 0) {
@@ -497,6 +529,12 @@ static void command_subscribe_data(char **words, int count)
 static void command_unsubscribe(char **words, int count)
 {
     print_result(IPC_unsubscribe(words[1], handler_of(count > 2 ? atoi(words[2]) : 0)));
+}
+
+static void command_unsubscribe_data(char **words, int count)
+{
+    (void)count;
+    print_result(IPC_unsubscribe(words[1], (HANDLER_TYPE)handle_data));
 }
 
 static void command_publish(char **words, int count)
@@ -857,7 +895,7 @@ static const struct command {
     {"priority", 3, command_priority},
     {"publish", 2, command_publish},
     {"publish_bytes", 2, command_publish_bytes},
-    {"publish_data", 4, command_publish_data},
+    {"publish_data", 3, command_publish_data},
     {"publish_fixed", 3, command_publish_fixed},
     {"query", 3, command_query},
     {"query_data", 6, command_query_data},
@@ -872,6 +910,7 @@ static const struct command {
     {"subscribe", 2, command_subscribe},
     {"subscribe_data", 2, command_subscribe_data},
     {"unsubscribe", 2, command_unsubscribe},
+    {"unsubscribe_data", 2, command_unsubscribe_data},
     {"until", 3, command_until},
     {"unwatch_connect", 1, command_unwatch_connect},
     {"unwatch_handlers", 2, command_unwatch_handlers},

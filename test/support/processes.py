@@ -221,7 +221,7 @@ class Compiler:
         """Path of the program made from the sources and linked with the library."""
         sources = [sources] if isinstance(sources, (str, os.PathLike)) else list(sources)
         name = name or os.path.splitext(os.path.basename(sources[0]))[0]
-        place = zlib.crc32(os.path.abspath(sources[0]).encode())
+        place = zlib.crc32("\n".join([os.path.abspath(sources[0]), *includes]).encode())
         target = os.path.join(self.directory, f"{name}-{library.kind}-{place:x}")
         if os.path.exists(target):
             return target
