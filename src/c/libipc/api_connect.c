@@ -9,6 +9,8 @@
 #include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/inbox.h"
+#include "libipc/reconnect.h"
+#include "libipc/wait.h"
 #include "libipc/watch_fd.h"
 
 IPC_RETURN_TYPE IPC_initialize(void)
@@ -46,7 +48,7 @@ IPC_RETURN_TYPE IPC_disconnect(void)
     if (context != NULL) {
         disconnect(context, true);
     }
-    if (!library_any_connected(library)) {
+    if (!library_any_live(library)) {
         library->initialised = false;
     }
     library_leave(library);
@@ -55,9 +57,13 @@ IPC_RETURN_TYPE IPC_disconnect(void)
 
 int IPC_isConnected(void)
 {
-    struct api api;
-    const int connected = api_enter(&api) == IPC_No_Error;
-    library_leave(api.library);
+    struct library *library = library_enter();
+    const struct _X_IPC_CONTEXT *context = library_live(library);
+    if (context != NULL && context->away != NULL) {
+        wait_turn(library, clock_ns()); /* a program that asks again and again sees it come back */
+    }
+    const int connected = library_connected(library) != NULL;
+    library_leave(library);
     return connected;
 }
 
@@ -104,7 +110,7 @@ fd_set IPC_getConnections(void)
     struct api api;
     struct connections connections;
     FD_ZERO(&connections.set);
-    if (api_enter(&api) == IPC_No_Error) {
+    if (api_enter_live(&api) == IPC_No_Error) {
         connections.library = api.library;
         struct list *position = api.library->watched_fds.next;
         add_fd(&connections, api.context->link.fd);

@@ -98,7 +98,7 @@ static IPC_ERROR_TYPE publish_data(struct api *api, const char *name, const void
         return error;
     }
     error = publish_encode(api->library, message->content, data, &encoded);
-    if (error == IPC_No_Error && !context_is_connected(api->context)) {
+    if (error == IPC_No_Error && !context_is_live(api->context)) {
         error = IPC_Not_Connected; /* and the message has gone with the connection */
     }
     if (error == IPC_No_Error) {

@@ -116,6 +116,12 @@ int direct_listen(struct _X_IPC_CONTEXT *context)
     return ERR_IO;
 }
 
+void direct_tell_port(struct _X_IPC_CONTEXT *context)
+{
+    const struct number_and_name port = {context->direct_port, context->module_name};
+    exchange_tell(context, LM_DIRECT_PORT, &port);
+}
+
 IPC_ERROR_TYPE direct_announce(struct _X_IPC_CONTEXT *context)
 {
     const struct number_and_name port = {context->direct_port, context->module_name};
@@ -300,14 +306,12 @@ static void make_targets(struct _X_IPC_CONTEXT *context, struct message *message
 
 IPC_ERROR_TYPE direct_find_targets(struct _X_IPC_CONTEXT *context, struct message *message)
 {
-    if (!message->handlers_watched) {
-        IPC_ERROR_TYPE error = handler_watch_start(context, message);
-        if (error == IPC_No_Error) {
-            error = handler_watch_ask(context, message);
-        }
-        if (error != IPC_No_Error) {
-            return error;
-        }
+    IPC_ERROR_TYPE error = handler_watch_start(context, message);
+    if (error == IPC_No_Error && !message->handlers_known) {
+        error = handler_watch_ask(context, message);
+    }
+    if (error != IPC_No_Error) {
+        return error;
     }
     (void)receive(context); /* central may have news of the list */
     if (context_is_connected(context) && message->targets_stale) {

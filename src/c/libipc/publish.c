@@ -8,9 +8,11 @@
 
 #include "base/error.h"
 #include "base/limits.h"
+#include "base/memory.h"
 #include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/receive.h"
+#include "libipc/reconnect.h"
 #include "libipc/report.h"
 
 /* --------------------------------------------------------------------- length */
@@ -137,11 +139,26 @@ IPC_ERROR_TYPE publish_send(struct _X_IPC_CONTEXT *context, struct frame *frame,
     return publish_frame(context, frame, message, content, length);
 }
 
-IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
-                       unsigned int length, const void *content)
+/* The message as the present central knows it: since it was found, another one may have come. */
+static IPC_ERROR_TYPE find_again(struct _X_IPC_CONTEXT *context, struct message **message)
+{
+    char *name = mem_copy_string((*message)->name); /* which may go with the connection */
+    const IPC_ERROR_TYPE error = registry_find(context, name, true, message);
+    free(name);
+    return error;
+}
+
+static IPC_ERROR_TYPE publish_once(struct _X_IPC_CONTEXT *context, struct message *message,
+                                   unsigned int length, const void *content)
 {
     struct frame frame;
-    const IPC_ERROR_TYPE error = publish_check(message, &length, content);
+    IPC_ERROR_TYPE error = IPC_No_Error;
+    if (!message->known) {
+        error = find_again(context, &message);
+    }
+    if (error == IPC_No_Error) {
+        error = publish_check(message, &length, content);
+    }
     if (error != IPC_No_Error || nobody_subscribes(context, message)) {
         return error;
     }
@@ -150,6 +167,18 @@ IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
     }
     exchange_frame(context, &frame, CLASS_BROADCAST, message->id);
     return publish_send(context, &frame, message, content, length);
+}
+
+IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
+                       unsigned int length, const void *content)
+{
+    IPC_ERROR_TYPE error;
+    unsigned connection;
+    do {
+        connection = context->connection;
+        error = publish_once(context, message, length, content);
+    } while (error != IPC_No_Error && reconnect_again(context, connection));
+    return error;
 }
 
 /* ------------------------------------------------------------------- encoding */
