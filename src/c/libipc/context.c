@@ -147,8 +147,11 @@ void context_close(struct _X_IPC_CONTEXT *context, enum context_state state)
         return;
     }
     const bool seen = !context->unseen;
+    const bool open = context_is_open(context);
     context->state = state;
-    context_drop_connection(context);
+    if (open) {
+        context_drop_connection(context);
+    }
     reconnect_end(context);
     inbox_clear(context);
     context_settle(context);

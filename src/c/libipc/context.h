@@ -139,7 +139,8 @@ void context_acknowledge(struct _X_IPC_CONTEXT *context, int32_t dispatch);
 /* Whether pointer is a context of this library, closed or not. */
 bool context_is_known(const struct library *library, const struct _X_IPC_CONTEXT *pointer);
 
-/* Closes the sockets, drops what is queued, fails whoever waits.  The state is the caller's. */
+/* Closes the sockets of an open context, drops what is queued, fails whoever waits.  The state is the
+ * caller's. */
 void context_drop_connection(struct _X_IPC_CONTEXT *context);
 
 /* Ends the context for good.  The new state is CONTEXT_LOST or CONTEXT_CLOSED. */

@@ -61,6 +61,14 @@ static void leave(struct _X_IPC_CONTEXT *context)
     notify_connection(context, false);
 }
 
+static void try_later(struct _X_IPC_CONTEXT *context)
+{
+    struct reconnect *away = context->away;
+    away->due_ns = clock_ns() + away->pause_ns;
+    away->pause_ns = 2 * away->pause_ns < LONGEST_PAUSE ? 2 * away->pause_ns : LONGEST_PAUSE;
+    library_changed(context->library);
+}
+
 void reconnect_begin(struct _X_IPC_CONTEXT *context)
 {
     context->state = CONTEXT_AWAY;
@@ -70,10 +78,7 @@ void reconnect_begin(struct _X_IPC_CONTEXT *context)
     } else {
         handshake_fini(&context->away->handshake);
     }
-    struct reconnect *away = context->away;
-    away->due_ns = clock_ns() + away->pause_ns;
-    away->pause_ns = 2 * away->pause_ns < LONGEST_PAUSE ? 2 * away->pause_ns : LONGEST_PAUSE;
-    library_changed(context->library);
+    try_later(context);
 }
 
 void reconnect_end(struct _X_IPC_CONTEXT *context)
@@ -119,7 +124,7 @@ static void begin_try(struct _X_IPC_CONTEXT *context)
         library_changed(context->library);
     } else {
         away->fd = -1;
-        reconnect_begin(context);
+        try_later(context);
     }
 }
 
@@ -132,7 +137,7 @@ static void look_at_try(struct _X_IPC_CONTEXT *context)
     } else if (result < 0 || wait_is_over(away->due_ns)) {
         net_close_copy(away->fd);
         away->fd = -1;
-        reconnect_begin(context);
+        try_later(context);
     }
 }
 

@@ -20,7 +20,7 @@ struct reconnect {
     struct handshake handshake; /* state connecting */
 };
 
-/* The connection broke, or a try to have another one has failed. */
+/* The open connection broke: the one that the program has, or one that should become it. */
 void reconnect_begin(struct _X_IPC_CONTEXT *context);
 
 /* Ends that, if it has begun. */
