@@ -511,11 +511,12 @@ CHECK_NEW(another_event_loop_brings_the_connection_back)
 CHECK_NEW(connecting_to_the_same_server_waits_for_the_context)
 {
     start(IPCX_RECONNECT_FAIL);
+    const char *address = central->address;
     lose_central();
-    EXPECT_ERROR(IPC_connectModule("A", central->address), IPC_Not_Connected);
+    EXPECT_ERROR(IPC_connectModule("A", address), IPC_Not_Connected);
     EXPECT(IPC_getContext() == own_context);
     const pthread_t thread = central_soon();
-    EXPECT_OK(IPC_connectModule("A", central->address));
+    EXPECT_OK(IPC_connectModule("A", address));
     pthread_join(thread, NULL);
     EXPECT(IPC_getContext() == own_context);
     expect_message(1);
@@ -1016,10 +1017,11 @@ static void *publish_often(void *argument)
 
 static void *listen_apart(void *argument)
 {
-    volatile int *stop = argument;
-    while (!*stop) {
+    pthread_mutex_t *ends = argument;
+    while (pthread_mutex_trylock(ends) != 0) {
         IPC_listen(20);
     }
+    pthread_mutex_unlock(ends);
     return NULL;
 }
 
@@ -1029,9 +1031,10 @@ CHECK_NEW(threads_wait_for_central_together)
     pthread_t publishers[THREADS];
     pthread_t listener;
     int numbers[THREADS] = {1, 2, 3};
-    static volatile int stop;
+    pthread_mutex_t ends = PTHREAD_MUTEX_INITIALIZER;
     start(IPCX_RECONNECT_WAIT);
-    EXPECT_INT(pthread_create(&listener, NULL, listen_apart, (void *)(uintptr_t)&stop), 0);
+    pthread_mutex_lock(&ends);
+    EXPECT_INT(pthread_create(&listener, NULL, listen_apart, &ends), 0);
     for (int i = 0; i < THREADS; i++) {
         EXPECT_INT(pthread_create(&publishers[i], NULL, publish_often, &numbers[i]), 0);
     }
@@ -1046,7 +1049,7 @@ CHECK_NEW(threads_wait_for_central_together)
     }
     EXPECT_INT(IPC_isModuleConnected("A"), 1);
     listen_for(100);
-    stop = 1;
+    pthread_mutex_unlock(&ends);
     pthread_join(listener, NULL);
     recorded();
     expect_message(9);
