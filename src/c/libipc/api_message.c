@@ -51,7 +51,7 @@ int IPC_isMsgDefined(const char *msgName)
         error = registry_find(api.context, msgName, false, &message);
     }
     if (error == IPC_Message_Not_Defined) {
-        library_leave(api.library); /* an answer, not an error */
+        (void)api_leave(&api, IPC_No_Error); /* an answer, not an error */
         return 0;
     }
     return api_leave(&api, error) == IPC_OK;
