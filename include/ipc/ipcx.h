@@ -116,8 +116,9 @@ typedef enum {
  *
  * With IPCX_RECONNECT_WAIT a publication is not lost because central is away: if the
  * connection is known to be broken, or turns out to be while the message is written,
- * the call waits and sends it to the central that comes.  IPC_OK means, as always, that
- * the message is on its way to a central, not that it was handled.
+ * the call waits and sends it to the central that comes; modules with direct links
+ * (central -c) may then get it twice.  IPC_OK means, as always, that the message is on
+ * its way to a central, not that it was handled.
  *
  * central is looked for where it was found the first time, by its numeric address.
  * Errors: IPC_Not_Connected; IPC_Argument_Out_Of_Range.

@@ -901,6 +901,19 @@ CHECK_NEW(disconnecting_ends_it)
     expect_no_return();
 }
 
+CHECK_NEW(disconnecting_after_a_loss_that_nobody_has_noticed_is_silent)
+{
+    start(IPCX_RECONNECT_FAIL);
+    central_kill(central);
+    IPC_setVerbosity(IPC_Exit_On_Errors);
+    capture();
+    EXPECT_OK(IPC_disconnect());
+    EXPECT_TEXT(captured_stderr(), "");
+    IPC_setVerbosity(IPC_Silent);
+    EXPECT_INT(IPC_isConnected(), 0);
+    EXPECT(IPC_getContext() == NULL);
+}
+
 CHECK_NEW(choosing_otherwise_ends_it)
 {
     start(IPCX_RECONNECT_FAIL);

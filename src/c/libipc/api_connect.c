@@ -7,9 +7,9 @@
 #include "libipc/compat.h"
 #include "libipc/connect.h"
 #include "libipc/direct.h"
+#include "libipc/event_set.h"
 #include "libipc/exchange.h"
 #include "libipc/inbox.h"
-#include "libipc/reconnect.h"
 #include "libipc/wait.h"
 #include "libipc/watch_fd.h"
 
@@ -61,6 +61,7 @@ int IPC_isConnected(void)
     const struct _X_IPC_CONTEXT *context = library_live(library);
     if (context != NULL && context->away != NULL) {
         wait_turn(library, clock_ns()); /* a program that asks again and again sees it come back */
+        event_set_tell(library);
     }
     const int connected = library_connected(library) != NULL;
     library_leave(library);

@@ -187,6 +187,7 @@ static void read_rest(struct _X_IPC_CONTEXT *context)
 
 void disconnect(struct _X_IPC_CONTEXT *context, bool tell_central)
 {
+    context->reconnect = IPCX_RECONNECT_NEVER; /* whatever this finds is no loss any more */
     if (context_is_open(context) && !tell_central) {
         net_close_copy(context->link.fd);
         context->link.fd = -1;

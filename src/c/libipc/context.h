@@ -119,6 +119,13 @@ static inline bool context_has_ended(const struct _X_IPC_CONTEXT *context)
     return context->state == CONTEXT_LOST || context->state == CONTEXT_CLOSED;
 }
 
+/* Still connected, and by that connection of the context. */
+static inline bool context_is_connected_as(const struct _X_IPC_CONTEXT *context,
+                                           unsigned connection)
+{
+    return context_is_connected(context) && context->connection == connection;
+}
+
 /* Connected, or going to be again: handlers, timers and descriptors belong to it. */
 static inline bool context_is_live(const struct _X_IPC_CONTEXT *context)
 {

@@ -284,8 +284,9 @@ void direct_forget_targets(struct message *message)
  * meanwhile. */
 static void make_targets(struct _X_IPC_CONTEXT *context, struct message *message)
 {
+    const unsigned connection = context->connection;
     char *name = mem_copy_string(message->name);
-    while (context_is_connected(context) && message->targets_stale) {
+    while (context_is_connected_as(context, connection) && message->targets_stale) {
         const int count = message->handlers.count;
         message->targets_stale = false;
         direct_forget_targets(message);
@@ -293,8 +294,8 @@ static void make_targets(struct _X_IPC_CONTEXT *context, struct message *message
         for (int i = count - 1; i >= 0 && !message->targets_stale; i--) {
             const int32_t handler = message->handlers.handlers[i].id;
             struct peer *peer = reach(context, name, &message->handlers.handlers[i]);
-            if (!context_is_connected(context)) {
-                break;
+            if (!context_is_connected_as(context, connection)) {
+                break; /* and the lists have gone */
             }
             struct direct_target *target = &message->targets[message->n_targets++];
             target->handler = handler;

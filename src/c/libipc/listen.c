@@ -151,7 +151,7 @@ enum listen_result listen_pass(struct library *library, uint64_t deadline_ns,
                                enum listen_mode mode)
 {
     return library_live(library) != NULL ? pass(library, deadline_ns, mode, NULL)
-                                              : LISTEN_DISCONNECTED;
+                                         : LISTEN_DISCONNECTED;
 }
 
 void listen_pass_for(struct library *library, uint64_t deadline_ns,

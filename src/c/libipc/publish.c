@@ -104,8 +104,10 @@ static bool nobody_subscribes(struct _X_IPC_CONTEXT *context, const struct messa
 static size_t send_to_targets(struct _X_IPC_CONTEXT *context, struct frame *frame,
                               struct message *message, const void *content, size_t length)
 {
+    const unsigned connection = context->connection;
     size_t n_sent = 0;
-    for (size_t i = 0; i < message->n_targets && context_is_connected(context); i++) {
+    for (size_t i = 0;
+         context_is_connected_as(context, connection) && i < message->n_targets; i++) {
         struct peer *peer = message->targets[i].peer;
         if (peer == NULL || peer->link.fd < 0) {
             continue;
@@ -126,13 +128,17 @@ IPC_ERROR_TYPE publish_send(struct _X_IPC_CONTEXT *context, struct frame *frame,
                             struct message *message, const void *content, size_t length)
 {
     if (message->id < 0) {
+        const unsigned connection = context->connection;
         const IPC_ERROR_TYPE error = direct_find_targets(context, message);
         if (error != IPC_No_Error) {
             return error;
         }
-        if (send_to_targets(context, frame, message, content, length) > 0 ||
-            (message->n_targets > 0 && frame->class != CLASS_QUERY)) {
-            return context_is_connected(context) ? IPC_No_Error : IPC_Not_Connected;
+        const size_t n_sent = send_to_targets(context, frame, message, content, length);
+        if (!context_is_connected_as(context, connection)) {
+            return IPC_Not_Connected; /* or by another connection, with other numbers */
+        }
+        if (n_sent > 0 || (message->n_targets > 0 && frame->class != CLASS_QUERY)) {
+            return IPC_No_Error;
         }
     }
     frame->intent = message->id;

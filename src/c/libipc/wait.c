@@ -172,7 +172,8 @@ static void take_found(struct library *library, const struct waiting *waiting)
     }
 }
 
-/* Milliseconds until the deadline, the next timer or the next try to reconnect, -1 for ever, rounded up so as not to wake early. */
+/* Milliseconds until the deadline, the next timer or the next try to reconnect, -1 for ever, rounded up
+ * so as not to wake early. */
 static int64_t patience_ms(const struct library *library, uint64_t deadline_ns)
 {
     const uint64_t due = reconnect_due(library);
