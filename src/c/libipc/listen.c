@@ -25,7 +25,7 @@ enum { ACKNOWLEDGE_NS = 1000000 };
 static void look(struct library *library, bool urgent)
 {
     struct list *position = library->contexts.next;
-    (void)reconnect_turn(library); /* news of it come through the inbox */
+    reconnect_turn(library); /* news of it come through the inbox */
     for (; position != &library->contexts; position = position->next) {
         struct _X_IPC_CONTEXT *context = context_at(position);
         if (context_is_connected(context) && inbox_first(context) == NULL &&

@@ -178,18 +178,15 @@ static void step(struct _X_IPC_CONTEXT *context)
     }
 }
 
-bool reconnect_turn(struct library *library)
+void reconnect_turn(struct library *library)
 {
-    bool any = false;
     struct list *position = library->contexts.next;
     for (; position != &library->contexts; position = position->next) {
         struct _X_IPC_CONTEXT *context = context_at(position);
         if (context->away != NULL) {
             step(context);
-            any = any || context->away == NULL;
         }
     }
-    return any;
 }
 
 uint64_t reconnect_due(const struct library *library)

@@ -26,8 +26,8 @@ void reconnect_begin(struct _X_IPC_CONTEXT *context);
 /* Ends that, if it has begun. */
 void reconnect_end(struct _X_IPC_CONTEXT *context);
 
-/* Goes on with every context that is away, as far as it can.  Returns whether one has come back. */
-bool reconnect_turn(struct library *library);
+/* Goes on with every context that is away, as far as it can. */
+void reconnect_turn(struct library *library);
 
 /* When reconnect_turn has something to do though nothing has arrived; UINT64_MAX: not at all. */
 uint64_t reconnect_due(const struct library *library);

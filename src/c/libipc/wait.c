@@ -205,6 +205,7 @@ static void wait_in_kernel(struct library *library, uint64_t deadline_ns)
     if (found > 0) {
         take_found(library, &waiting);
     }
+    reconnect_turn(library); /* what it waited for may have come, or its time */
     if (library->sleepers > 0) {
         condition_tell_all(library->changed);
     }
@@ -237,7 +238,7 @@ static void wait_for_other(struct library *library, uint64_t deadline_ns)
 
 void wait_turn(struct library *library, uint64_t deadline_ns)
 {
-    if (reconnect_turn(library) || flush_all(library)) {
+    if (flush_all(library)) {
         return;
     }
     if (library->polling) {
