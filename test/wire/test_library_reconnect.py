@@ -193,3 +193,49 @@ def test_nothing_is_sent_before_the_handshake_is_over(start_lasting, fake_centra
     assert len(connection.received) == before
     connection.reply(ready, codec.encode("int", 1))
     come_back(driver, fake_central)
+
+
+def lose_early(start_lasting, central, answer):
+    """A module that has subscribed to M and lost central, which gives that answer to "ready"."""
+    driver = start_lasting(central.address)
+    driver.must("define", "M", "variable")
+    driver.must("subscribe", "M")
+    central.answers["x_ipc_waitMsg"] = answer
+    central.connection().drop()
+    return driver
+
+
+def test_a_message_that_comes_before_the_handshake_is_over_waits_for_that(
+        start_lasting, fake_central):
+    dispatches = []
+
+    def deliver(connection, _received):
+        dispatches.append(connection.deliver("M", b"early"))
+        return SILENCE
+
+    driver = lose_early(start_lasting, fake_central, deliver)
+    wait_until(lambda: driver.do("listen", 20) and dispatches, "the message is sent")
+    connection = fake_central.connection(1)
+    assert driver.do("listen", 50).events == []
+    connection.reply(connection.messages("x_ipc_waitMsg")[0], codec.encode("int", 1))
+    events = driver.listen_for(1)
+    assert events == ["message 0 M 5 " + b"early".hex()]
+    connection.wait_acknowledged(dispatches[0])
+
+
+def test_a_message_of_a_handshake_that_failed_is_acknowledged_to_nobody(
+        start_lasting, fake_central):
+    def deliver_and_go(connection, _received):
+        del fake_central.answers["x_ipc_waitMsg"]
+        connection.deliver("M", b"early")
+        connection.drop()
+        return SILENCE
+
+    driver = lose_early(start_lasting, fake_central, deliver_and_go)
+    connection = come_back(driver, fake_central, 2)
+    assert driver.do("module_connected", "DRIVER").result == "1"
+    assert connection.acknowledgements() == []
+    dispatch = connection.deliver("M", b"late")
+    driver.listen_for(1)
+    connection.wait_acknowledged(dispatch)
+    assert len(connection.acknowledgements()) == 1

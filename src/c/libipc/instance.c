@@ -60,6 +60,9 @@ bool instance_is_stale(const struct instance *instance)
 bool instance_may_run(const struct instance *instance)
 {
     const struct _X_IPC_CONTEXT *context = instance->context;
+    if (!context_is_connected(context)) {
+        return instance->dispatch == NO_ID && instance->peer == NULL;
+    }
     return instance->dispatch == NO_ID || context->active < context->capacity;
 }
 
@@ -85,7 +88,7 @@ void instance_acknowledge(struct instance *instance)
 {
     struct _X_IPC_CONTEXT *context = instance->context;
     if (instance->dispatch == NO_ID || instance_is_stale(instance) ||
-        !context_is_connected(context)) {
+        !context_is_open(context)) {
         return;
     }
     context_acknowledge(context, instance->dispatch);

@@ -62,7 +62,7 @@ struct instance *instance_find(const struct library *library, MSG_INSTANCE handl
 bool instance_is_stale(const struct instance *instance);
 
 /* Whether the capacity lets it run now.  Central may send more than that ahead; and what does not
- * come from central does not count. */
+ * come from central does not count.  While central is away, that is what it had sent before. */
 bool instance_may_run(const struct instance *instance);
 
 /* It counts against the capacity from now on, or (instance_passivate) no longer. */

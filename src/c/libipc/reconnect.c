@@ -56,7 +56,6 @@ static void leave(struct _X_IPC_CONTEXT *context)
     context->away = mem_new(sizeof *context->away);
     context->away->fd = -1;
     context->away->pause_ns = FIRST_PAUSE;
-    forget_numbers(context);
     report_note("Closed Connection Detected from: Central Server %s\n\n", context->server_name);
     notify_connection(context, false);
 }
@@ -73,6 +72,7 @@ void reconnect_begin(struct _X_IPC_CONTEXT *context)
 {
     context->state = CONTEXT_AWAY;
     context_drop_connection(context);
+    forget_numbers(context);
     if (context->away == NULL) {
         leave(context);
     } else {
