@@ -95,7 +95,7 @@ CHECK_NEW(messages_and_subscriptions_come_back_again_and_again)
     }
 }
 
-CHECK_NEW(the_first_central_that_goes_on_working_is_the_same)
+CHECK_NEW(choosing_changes_nothing_while_central_is_there)
 {
     start(IPCX_RECONNECT_WAIT);
     expect_message(1);
