@@ -1,6 +1,7 @@
 /*
  * Additions to the API of the manual: for programs with an event loop of their
- * own, for byte arrays from elsewhere, and for those who tell "" from NULL.
+ * own, for those that outlive central, for byte arrays from elsewhere, and for
+ * those who tell "" from NULL.
  *
  * What ipc.h says of results, threads and ownership holds here as well.
  */
@@ -63,6 +64,80 @@ long IPCx_nextTimeout(void);
  * IPC_Error as IPC_listen.
  */
 IPC_RETURN_TYPE IPCx_process(void);
+
+/* --------------------------------------------------------- loss of central */
+
+/*
+ * When central goes, the library prints a line and ends the process, or calls the exit
+ * procedure, as CMU IPC does.  A program may choose that it stays instead, and that the
+ * library connects again as soon as a central is there where the old one was.
+ */
+typedef enum {
+    IPCX_RECONNECT_NEVER, /* the loss of central ends the connection, as always */
+    IPCX_RECONNECT_FAIL,  /* the library connects again; until then calls fail */
+    IPCX_RECONNECT_WAIT   /* the library connects again; until then calls wait */
+} IPCX_RECONNECT;
+
+/*
+ * Chooses what follows the loss of central, for the current context.  Without a choice
+ * it is what the environment variable IPC_RECONNECT says when the process begins, fail or
+ * wait, which helps programs that know nothing of this, or else IPCX_RECONNECT_NEVER.
+ *
+ * While central is away the context stays what it is, IPC_isConnected() is 0, and:
+ * - Listening calls go on: timers, descriptors, other contexts, and messages that have
+ *   arrived.  The loss does not end them.  They, IPCx_process, calls that wait, and all
+ *   others that need central keep trying to connect, first after 0.1 seconds, then after
+ *   pauses of up to 2 seconds.  None of that takes time: it goes on beside what they do.
+ *   A program must call the library now and then for it.
+ * - Other calls that need central fail with IPC_Not_Connected, or wait.  As always,
+ *   errors end the process at IPC_Exit_On_Errors, which is the verbosity at the start.
+ *   No handlers run in a thread whose call waits.
+ * - IPC_connect and the like for the same server wait for the context to come back, up to
+ *   5 seconds, whatever is chosen; they make no second one.
+ * - IPC_disconnect ends it, and so does choosing IPCX_RECONNECT_NEVER: calls that wait
+ *   fail with IPC_Not_Connected.  The exit procedure is not called.
+ *
+ * When central is back, be it one of CMU IPC, it is told everything that this module has
+ * told the old one: its name, definitions of messages and of named formats, subscriptions
+ * (in their order), notifications, queue lengths, priorities, capacity.  Only then is the
+ * context connected.  A message that another module had defined and has not yet defined
+ * again is defined for it, as it was, when this module uses it.
+ *
+ * What the loss costs:
+ * - Queries under way fail with IPC_Not_Connected; handlers of IPC_queryNotify that wait
+ *   for a response are not called.
+ * - Queries of others that have not been answered cannot be any more: IPC_respond fails
+ *   with IPC_Not_Connected in their handlers, later (IPC_delayResponse) with
+ *   IPC_Argument_Out_Of_Range; those that wait for their handlers are dropped.  All other
+ *   messages that have arrived are handled.
+ * - What central had taken and not passed on is gone with it.
+ * - A call that fails while it changes something, such as IPC_subscribe, may have taken
+ *   effect when central is back.  Repeating it does no harm.
+ *
+ * With IPCX_RECONNECT_WAIT a publication is not lost because central is away: if the
+ * connection is known to be broken, or turns out to be while the message is written,
+ * the call waits and sends it to the central that comes; modules with direct links
+ * (central -c) may then get it twice.  IPC_OK means, as always, that the message is on
+ * its way to a central, not that it was handled.
+ *
+ * central is looked for where it was found the first time, by its numeric address.
+ * Errors: IPC_Not_Connected; IPC_Argument_Out_Of_Range.
+ */
+IPC_RETURN_TYPE IPCx_setReconnect(IPCX_RECONNECT mode);
+
+/* connected: 0 when central is lost, 1 when it is back. */
+typedef void (*IPCX_CONNECTION_HANDLER)(int connected, void *clientData);
+
+/*
+ * Has handler called, in listening calls, when the current context loses central and is
+ * going to connect again, and when it has done so.  The same handler once more only
+ * changes clientData.  Like other subscriptions it lasts as long as the context.
+ * Errors: IPC_Null_Argument; IPC_Not_Connected.
+ */
+IPC_RETURN_TYPE IPCx_subscribeConnection(IPCX_CONNECTION_HANDLER handler, void *clientData);
+
+/* Ends that; if handler was not subscribed nothing happens.  Errors: the same. */
+IPC_RETURN_TYPE IPCx_unsubscribeConnection(IPCX_CONNECTION_HANDLER handler);
 
 /* -------------------------------------------------------------------- data */
 

@@ -151,7 +151,9 @@ static void close_descriptors(int from)
 
 static void run_central(const struct central *central, const char *option)
 {
-    const char *program = getenv("IPC_CHECK_CENTRAL");
+    const char *later = getenv("IPC_CHECK_LATER_CENTRALS");
+    const char *program =
+        later && central != state.centrals ? later : getenv("IPC_CHECK_CENTRAL");
     char port_option[16];
     char name[32];
     snprintf(port_option, sizeof port_option, "-p%d", central->port);
@@ -162,6 +164,7 @@ static void run_central(const struct central *central, const char *option)
     dup2(log, 1);
     dup2(log, 2);
     close_descriptors(3);
+    unsetenv("LD_LIBRARY_PATH"); /* is for the library under test, and an original finds its own */
     execl(program, program, port_option, "-u", option, (char *)NULL);
     _exit(127);
 }

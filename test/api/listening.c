@@ -3,6 +3,9 @@
  */
 #include "check.h"
 
+#include <ipcx.h>
+
+#include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -411,4 +414,23 @@ CHECK_NEW(setting_the_wall_clock_changes_no_timeout)
     EXPECT_TIMEOUT(IPC_listen(1000));
     EXPECT_AT_LEAST(1000, start);
     EXPECT_TEXT(recorded(), "back timer ");
+}
+
+/* --------------------------------------------------------------------------- other event loops */
+
+CHECK_NEW(what_a_question_has_taken_in_wakes_another_event_loop)
+{
+    connected();
+    define_int("m");
+    IPC_subscribe("m", note_a, "m");
+    struct pollfd item = {IPCx_fd(), POLLIN, 0};
+    for (int i = 0; i < 10 && poll(&item, 1, 0) != 0; i++) {
+        EXPECT_TIMEOUT(IPCx_process()); /* woken for nothing, which connecting may do */
+    }
+    EXPECT_INT(poll(&item, 1, 0), 0);
+    EXPECT_OK(publish_int("m", 1));
+    EXPECT_INT(IPC_isMsgDefined("undefined"), 0);
+    EXPECT_INT(poll(&item, 1, 5000), 1);
+    EXPECT_OK(IPCx_process());
+    EXPECT_TEXT(recorded(), "m1 ");
 }

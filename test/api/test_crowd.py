@@ -1,4 +1,4 @@
-"""The crowd of threads with ThreadSanitizer, on a library that is built for it."""
+"""Crowds of threads with ThreadSanitizer, on a library that is built for it."""
 import os
 import shutil
 import subprocess
@@ -47,11 +47,14 @@ def thread_library(library, tmp_path_factory):
     return Library("thread", os.path.join(directory, "src/c/libipc"))
 
 
-def test_a_crowd_of_threads_races_for_nothing(thread_library, compiler, central_program, tmp_path):
+@pytest.mark.parametrize("source,check", [
+    ("crowd.c", "eight_threads_in_two_contexts_lose_nothing"),
+    ("reconnect.c", "threads_wait_for_central_together")])
+def test_a_crowd_of_threads_races_for_nothing(
+        thread_library, compiler, central_program, tmp_path, source, check):
     program = compiler.program(
-        [os.path.join(HERE, "crowd.c"), os.path.join(HERE, "check.c")], thread_library,
+        [os.path.join(HERE, source), os.path.join(HERE, "check.c")], thread_library,
         includes=[HERE], flags=["-std=c99", "-D_DEFAULT_SOURCE", "-D_XOPEN_SOURCE=700", SANITIZE])
-    check = "eight_threads_in_two_contexts_lose_nothing"
     environment = {**os.environ, "IPC_CHECK_CENTRAL": central_program,
                    "TSAN_OPTIONS": f"suppressions={os.path.join(HERE, 'thread_sanitizer.txt')} "
                                    "print_suppressions=0"}

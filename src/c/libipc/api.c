@@ -4,11 +4,36 @@
 #include "libipc/api.h"
 
 #include "libipc/event_set.h"
+#include "libipc/receive.h"
+#include "libipc/reconnect.h"
+#include "libipc/wait.h"
+
+/* Whether the connection is there.  A program that never listens gets it back by its calls, and what
+ * waits for a connection does not go out over one that has broken. */
+static bool is_there(struct _X_IPC_CONTEXT *context)
+{
+    if (context->away != NULL) {
+        wait_turn(context->library, clock_ns());
+    } else if (context->reconnect == IPCX_RECONNECT_WAIT) {
+        (void)receive(context); /* a loss shows in the context's state */
+    }
+    return reconnect_await(context);
+}
 
 IPC_ERROR_TYPE api_enter(struct api *api)
 {
+    IPC_ERROR_TYPE error = api_enter_live(api);
+    if (error == IPC_No_Error && !is_there(api->context)) {
+        api->context = NULL;
+        error = IPC_Not_Connected;
+    }
+    return error;
+}
+
+IPC_ERROR_TYPE api_enter_live(struct api *api)
+{
     api->library = library_enter();
-    api->context = library_connected(api->library);
+    api->context = library_live(api->library);
     return api->context != NULL ? IPC_No_Error : IPC_Not_Connected;
 }
 

@@ -10,7 +10,7 @@
 /* An API call under way: the lock is held from api_enter to api_leave. */
 struct api {
     struct library *library;
-    struct _X_IPC_CONTEXT *context; /* the current one if it is connected, else NULL */
+    struct _X_IPC_CONTEXT *context; /* the current one, NULL on failure */
 };
 
 static inline bool api_is_missing(const char *name)
@@ -18,8 +18,12 @@ static inline bool api_is_missing(const char *name)
     return name == NULL || *name == '\0';
 }
 
-/* IPC_No_Error, or IPC_Not_Connected when there is no connection (the call is entered all the same). */
+/* IPC_No_Error, or IPC_Not_Connected when there is no connection (the call is entered all the same).
+ * Where calls wait for central to come back, this is where they do. */
 IPC_ERROR_TYPE api_enter(struct api *api);
+
+/* The same for calls that can do with a context that is away (libipc/reconnect.h). */
+IPC_ERROR_TYPE api_enter_live(struct api *api);
 
 /* Leaves and reports the result.  If a connection was lost meanwhile, that is reported first. */
 IPC_RETURN_TYPE api_leave(struct api *api, IPC_ERROR_TYPE error);

@@ -7,8 +7,10 @@
 #include "libipc/compat.h"
 #include "libipc/connect.h"
 #include "libipc/direct.h"
+#include "libipc/event_set.h"
 #include "libipc/exchange.h"
 #include "libipc/inbox.h"
+#include "libipc/wait.h"
 #include "libipc/watch_fd.h"
 
 IPC_RETURN_TYPE IPC_initialize(void)
@@ -46,7 +48,7 @@ IPC_RETURN_TYPE IPC_disconnect(void)
     if (context != NULL) {
         disconnect(context, true);
     }
-    if (!library_any_connected(library)) {
+    if (!library_any_live(library)) {
         library->initialised = false;
     }
     library_leave(library);
@@ -55,9 +57,14 @@ IPC_RETURN_TYPE IPC_disconnect(void)
 
 int IPC_isConnected(void)
 {
-    struct api api;
-    const int connected = api_enter(&api) == IPC_No_Error;
-    library_leave(api.library);
+    struct library *library = library_enter();
+    const struct _X_IPC_CONTEXT *context = library_live(library);
+    if (context != NULL && context->away != NULL) {
+        wait_turn(library, clock_ns()); /* a program that asks again and again sees it come back */
+        event_set_tell(library);
+    }
+    const int connected = library_connected(library) != NULL;
+    library_leave(library);
     return connected;
 }
 
@@ -104,7 +111,7 @@ fd_set IPC_getConnections(void)
     struct api api;
     struct connections connections;
     FD_ZERO(&connections.set);
-    if (api_enter(&api) == IPC_No_Error) {
+    if (api_enter_live(&api) == IPC_No_Error) {
         connections.library = api.library;
         struct list *position = api.library->watched_fds.next;
         add_fd(&connections, api.context->link.fd);

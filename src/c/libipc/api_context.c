@@ -12,7 +12,7 @@ IPC_CONTEXT_PTR IPC_getContext(void)
 {
     struct library *library = library_enter();
     struct _X_IPC_CONTEXT *context = library_context(library);
-    if (context != NULL && !context_is_connected(context) && !context->shown_as_lost) {
+    if (context != NULL && !context_is_live(context) && !context->shown_as_lost) {
         context = NULL;
     }
     library_leave(library);

@@ -8,6 +8,8 @@
 #include "libipc/api.h"
 #include "libipc/event_set.h"
 #include "libipc/formatter.h"
+#include "libipc/notify.h"
+#include "libipc/reconnect.h"
 #include "libipc/shell.h"
 #include "libipc/wait.h"
 
@@ -42,7 +44,8 @@ long IPCx_nextTimeout(void)
 {
     struct library *library = library_enter();
     const bool waiting = event_set_is_waiting(library);
-    const uint64_t due = library->next_timer_ns;
+    const uint64_t again = reconnect_due(library);
+    const uint64_t due = again < library->next_timer_ns ? again : library->next_timer_ns;
     library_leave(library);
     const uint64_t now = clock_ns();
     if (waiting || due <= now) {
@@ -97,6 +100,47 @@ IPC_RETURN_TYPE IPCx_setEmptyStrings(int keep)
     }
     format_set_empty_strings(keep != 0);
     return IPC_OK;
+}
+
+/* ------------------------------------------------------------- loss of central */
+
+IPC_RETURN_TYPE IPCx_setReconnect(IPCX_RECONNECT mode)
+{
+    struct api api;
+    if ((int)mode < IPCX_RECONNECT_NEVER || (int)mode > IPCX_RECONNECT_WAIT) {
+        return report(IPC_Argument_Out_Of_Range);
+    }
+    const IPC_ERROR_TYPE error = api_enter_live(&api);
+    if (error == IPC_No_Error) {
+        reconnect_set(api.context, mode);
+    }
+    return api_leave(&api, error);
+}
+
+IPC_RETURN_TYPE IPCx_subscribeConnection(IPCX_CONNECTION_HANDLER handler, void *clientData)
+{
+    struct api api;
+    if (handler == NULL) {
+        return report(IPC_Null_Argument);
+    }
+    const IPC_ERROR_TYPE error = api_enter_live(&api);
+    if (error == IPC_No_Error) {
+        notify_add_connection(api.context, handler, clientData);
+    }
+    return api_leave(&api, error);
+}
+
+IPC_RETURN_TYPE IPCx_unsubscribeConnection(IPCX_CONNECTION_HANDLER handler)
+{
+    struct api api;
+    if (handler == NULL) {
+        return report(IPC_Null_Argument);
+    }
+    const IPC_ERROR_TYPE error = api_enter_live(&api);
+    if (error == IPC_No_Error) {
+        notify_remove_connection(api.context, handler);
+    }
+    return api_leave(&api, error);
 }
 
 /* ----------------------------------------------------------------------- shell */

@@ -41,7 +41,7 @@ static IPC_RETURN_TYPE listen_until(uint64_t deadline_ns, enum listen_mode mode)
 {
     struct api api;
     report_old_losses();
-    IPC_ERROR_TYPE error = api_enter(&api);
+    const IPC_ERROR_TYPE error = api_enter_live(&api);
     if (error != IPC_No_Error) {
         return api_leave(&api, error);
     }

@@ -51,7 +51,7 @@ int IPC_isMsgDefined(const char *msgName)
         error = registry_find(api.context, msgName, false, &message);
     }
     if (error == IPC_Message_Not_Defined) {
-        library_leave(api.library); /* an answer, not an error */
+        (void)api_leave(&api, IPC_No_Error); /* an answer, not an error */
         return 0;
     }
     return api_leave(&api, error) == IPC_OK;
@@ -98,7 +98,7 @@ static IPC_ERROR_TYPE publish_data(struct api *api, const char *name, const void
         return error;
     }
     error = publish_encode(api->library, message->content, data, &encoded);
-    if (error == IPC_No_Error && !context_is_connected(api->context)) {
+    if (error == IPC_No_Error && !context_is_live(api->context)) {
         error = IPC_Not_Connected; /* and the message has gone with the connection */
     }
     if (error == IPC_No_Error) {

@@ -20,8 +20,8 @@ IPC_RETURN_TYPE IPC_respond(MSG_INSTANCE msgInstance, const char *msgName, unsig
     if (api_is_missing(msgName) || msgInstance == NULL) {
         return report(IPC_Null_Argument);
     }
-    (void)api_enter(&api); /* the instance's context counts, not the current one */
-    IPC_ERROR_TYPE error = library_any_connected(api.library) ? IPC_No_Error : IPC_Not_Connected;
+    (void)api_enter_live(&api); /* the instance's context counts, not the current one */
+    IPC_ERROR_TYPE error = library_any_live(api.library) ? IPC_No_Error : IPC_Not_Connected;
     if (error == IPC_No_Error) {
         error = query_respond(api.library, msgInstance, msgName, length, content);
     }
@@ -65,8 +65,8 @@ IPC_RETURN_TYPE IPC_respondData(MSG_INSTANCE msgInstance, const char *msgName, v
     if (api_is_missing(msgName) || msgInstance == NULL) {
         return report(IPC_Null_Argument);
     }
-    (void)api_enter(&api); /* the instance's context counts, not the current one */
-    IPC_ERROR_TYPE error = library_any_connected(api.library) ? IPC_No_Error : IPC_Not_Connected;
+    (void)api_enter_live(&api); /* the instance's context counts, not the current one */
+    IPC_ERROR_TYPE error = library_any_live(api.library) ? IPC_No_Error : IPC_Not_Connected;
     if (error == IPC_No_Error) {
         error = respond_data(&api, msgInstance, msgName, dataptr);
     }
@@ -120,8 +120,7 @@ static IPC_ERROR_TYPE encode_for(struct api *api, const char *name, const void *
         return error;
     }
     error = publish_encode(api->library, message->content, data, encoded);
-    return error == IPC_No_Error && !context_is_connected(api->context) ? IPC_Not_Connected
-                                                                         : error;
+    return error == IPC_No_Error && !context_is_live(api->context) ? IPC_Not_Connected : error;
 }
 
 IPC_RETURN_TYPE IPC_queryNotifyData(const char *msgName, void *dataptr, HANDLER_TYPE handler,

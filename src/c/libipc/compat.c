@@ -13,7 +13,7 @@
 void x_ipcRegisterExitProc(void (*procedure)(void))
 {
     struct library *library = library_enter();
-    if (!library_any_connected(library)) {
+    if (!library_any_live(library)) {
         library_initialise(library);
     }
     library->exit_procedure = procedure;
@@ -38,9 +38,10 @@ int x_ipcGetMaxConnection(void)
 
 int x_ipcGetServer(void)
 {
-    struct api api;
-    const int fd = api_enter(&api) == IPC_No_Error ? api.context->link.fd : -1;
-    library_leave(api.library);
+    struct library *library = library_enter();
+    const struct _X_IPC_CONTEXT *context = library_connected(library);
+    const int fd = context != NULL ? context->link.fd : -1;
+    library_leave(library);
     return fd;
 }
 

@@ -10,6 +10,7 @@
 #include "libipc/direct.h"
 #include "libipc/inbox.h"
 #include "libipc/notify.h"
+#include "libipc/reconnect.h"
 #include "libipc/registry.h"
 #include "libipc/subscription.h"
 #include "libipc/timer.h"
@@ -43,11 +44,13 @@ struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *
     context->module_name = mem_copy_string(module_name);
     context->port = port;
     context->will_listen = will_listen;
+    context->reconnect = library->reconnect;
     context->capacity = 1;
     link_init(&context->link, fd, FROM_CENTRAL);
     intmap_init(&context->awaited);
     table_init(&context->messages, TABLE_FOLDING);
     table_init(&context->handlers, TABLE_FOLDING);
+    list_init(&context->subscribed);
     idpool_init(&context->handler_ids);
     list_init(&context->inbox);
     list_init(&context->delayed);
@@ -58,6 +61,7 @@ struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *
     list_init(&context->connect_watchers);
     list_init(&context->disconnect_watchers);
     list_init(&context->change_watchers);
+    list_init(&context->connection_watchers);
     list_append(&library->contexts, &context->in_library);
     return context;
 }
@@ -65,6 +69,16 @@ struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *
 void context_discard(struct _X_IPC_CONTEXT *context)
 {
     context_close(context, CONTEXT_CLOSED);
+}
+
+void context_connected(struct _X_IPC_CONTEXT *context)
+{
+    struct library *library = context->library;
+    context->state = CONTEXT_CONNECTED;
+    if (context->link.fd > library->max_fd) {
+        library->max_fd = context->link.fd;
+    }
+    library_changed(library);
 }
 
 bool context_is_known(const struct library *library, const struct _X_IPC_CONTEXT *pointer)
@@ -115,24 +129,33 @@ static void free_delayed(struct _X_IPC_CONTEXT *context)
     }
 }
 
+void context_drop_connection(struct _X_IPC_CONTEXT *context)
+{
+    link_fini(&context->link);
+    fail_awaited(context);
+    free_delayed(context);
+    direct_close(context);
+}
+
 void context_close(struct _X_IPC_CONTEXT *context, enum context_state state)
 {
     struct library *library = context->library;
-    if (!context_is_open(context)) {
+    if (context_has_ended(context)) {
         if (context->state == CONTEXT_LOST) {
             context->state = state;
         }
         return;
     }
     const bool seen = !context->unseen;
+    const bool open = context_is_open(context);
     context->state = state;
-    link_fini(&context->link);
-    fail_awaited(context);
+    if (open) {
+        context_drop_connection(context);
+    }
+    reconnect_end(context);
     inbox_clear(context);
-    free_delayed(context);
-    direct_close(context);
     context_settle(context);
-    if (seen && !library_any_connected(library)) {
+    if (seen && !library_any_live(library)) {
         timer_clear(library);
         watch_fd_clear(library);
         library->initialised = false;
@@ -142,7 +165,7 @@ void context_close(struct _X_IPC_CONTEXT *context, enum context_state state)
 
 void context_settle(struct _X_IPC_CONTEXT *context)
 {
-    if (context_is_open(context) || context->turn.depth > 0) {
+    if (!context_has_ended(context) || context->turn.depth > 0) {
         return;
     }
     notify_clear(context);
@@ -158,7 +181,12 @@ void context_settle(struct _X_IPC_CONTEXT *context)
 
 void context_lose(struct _X_IPC_CONTEXT *context, bool noticed)
 {
-    if (context_is_open(context)) {
+    if (!context_is_open(context)) {
+        return;
+    }
+    if (!context->unseen && context->reconnect != IPCX_RECONNECT_NEVER) {
+        reconnect_begin(context);
+    } else {
         context->loss_noticed = noticed;
         context_close(context, context->unseen ? CONTEXT_CLOSED : CONTEXT_LOST);
     }

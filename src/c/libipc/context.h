@@ -2,8 +2,11 @@
  * Contexts: one connection to one central, with everything that depends on it.
  *
  * A context is never freed, because programs keep its address; when its
- * connection has ended it is an empty husk that says so.  Its state goes only
- * forward, and context_close is the one place where a connection ends.
+ * connection has ended it is an empty husk that says so.
+ *
+ *     connecting -> connected -> lost -> closed
+ *         ^             |
+ *         +--- away <---+    if the program wants it to come back (reconnect.h)
  */
 #ifndef IPC_LIBIPC_CONTEXT_H
 #define IPC_LIBIPC_CONTEXT_H
@@ -11,11 +14,14 @@
 #include "libipc/library.h"
 #include "link/link.h"
 
+struct reconnect;
+
 enum { GREETING_PARTS = 3 }; /* a number and two frames */
 
 enum context_state {
     CONTEXT_CONNECTING, /* handshake under way */
     CONTEXT_CONNECTED,
+    CONTEXT_AWAY,  /* the connection broke, and another one is tried to be had */
     CONTEXT_LOST,  /* the connection broke and nobody has been told yet */
     CONTEXT_CLOSED /* a husk */
 };
@@ -45,7 +51,11 @@ struct _X_IPC_CONTEXT {
     char *server_name;     /* as given to connect, owned; kept in the husk */
     char *module_name;
     int port;
+    char address[NET_NAME_SIZE]; /* where central was found, numeric; "" by Unix socket */
     bool will_listen;
+    IPCX_RECONNECT reconnect;    /* what follows a loss */
+    struct reconnect *away;      /* from a loss until central is back; else NULL; owned */
+    unsigned connection;         /* grows at every loss: what came over another one is stale */
     bool local;            /* by Unix socket: what central has written is there at once */
     bool new_central;      /* central of this project: its promises may be relied on */
 
@@ -58,6 +68,7 @@ struct _X_IPC_CONTEXT {
 
     struct table messages;         /* name -> struct message */
     struct table handlers;         /* handler name -> struct handler, for the life of the connection */
+    struct list subscribed;        /* of struct handler, oldest subscription first */
     struct idpool handler_ids;
 
     struct list inbox;             /* of struct instance, in the order in which they run */
@@ -83,6 +94,7 @@ struct _X_IPC_CONTEXT {
     struct list connect_watchers;    /* of struct watcher, latest first */
     struct list disconnect_watchers;
     struct list change_watchers;
+    struct list connection_watchers;
 };
 
 /* A context in state connecting over that socket; the current one stays what it is. */
@@ -102,10 +114,31 @@ static inline bool context_is_open(const struct _X_IPC_CONTEXT *context)
     return context->state == CONTEXT_CONNECTED || context->state == CONTEXT_CONNECTING;
 }
 
+static inline bool context_has_ended(const struct _X_IPC_CONTEXT *context)
+{
+    return context->state == CONTEXT_LOST || context->state == CONTEXT_CLOSED;
+}
+
+/* Still connected, and by that connection of the context. */
+static inline bool context_is_connected_as(const struct _X_IPC_CONTEXT *context,
+                                           unsigned connection)
+{
+    return context_is_connected(context) && context->connection == connection;
+}
+
+/* Connected, or going to be again: handlers, timers and descriptors belong to it. */
+static inline bool context_is_live(const struct _X_IPC_CONTEXT *context)
+{
+    return context->state == CONTEXT_CONNECTED || context->away != NULL;
+}
+
 static inline struct _X_IPC_CONTEXT *context_at(struct list *position)
 {
     return LIST_OWNER(position, struct _X_IPC_CONTEXT, in_library);
 }
+
+/* The handshake is done. */
+void context_connected(struct _X_IPC_CONTEXT *context);
 
 /* Tells central that a delivery is finished; the frame leaves with the next write. */
 void context_acknowledge(struct _X_IPC_CONTEXT *context, int32_t dispatch);
@@ -113,16 +146,17 @@ void context_acknowledge(struct _X_IPC_CONTEXT *context, int32_t dispatch);
 /* Whether pointer is a context of this library, closed or not. */
 bool context_is_known(const struct library *library, const struct _X_IPC_CONTEXT *pointer);
 
-/*
- * Ends the connection: closes the socket, drops what is queued, fails whoever
- * waits.  The new state is CONTEXT_LOST or CONTEXT_CLOSED.
- */
+/* Closes the sockets of an open context, drops what is queued, fails whoever waits.  The state is the
+ * caller's. */
+void context_drop_connection(struct _X_IPC_CONTEXT *context);
+
+/* Ends the context for good.  The new state is CONTEXT_LOST or CONTEXT_CLOSED. */
 void context_close(struct _X_IPC_CONTEXT *context, enum context_state state);
 
 /* Frees what the connection left behind, once no callback of it runs any more. */
 void context_settle(struct _X_IPC_CONTEXT *context);
 
-/* The connection broke.  noticed: found by a call that may report it right away. */
+/* The connection broke, which ends the context unless it is to come back.  noticed: found by a call that may report it right away. */
 void context_lose(struct _X_IPC_CONTEXT *context, bool noticed);
 
 /* A lost context that is to be reported now, which closes it; NULL: none.  all: also those that

@@ -45,10 +45,11 @@ static int strip(struct instance *instance)
     return 0;
 }
 
-/* Makes sure that the message's definition is known.  Waits at the first instance of a message. */
+/* Makes sure that the message's definition is known, or was when it arrived.  Waits at the first
+ * instance of a message. */
 static bool define(struct instance *instance)
 {
-    if (instance->message->known) {
+    if (instance->message->known || !instance->wrapped) {
         return true;
     }
     struct _X_IPC_CONTEXT *context = instance->context;
@@ -113,7 +114,8 @@ static int call(struct instance *instance, struct handed *handed)
 static void finish(struct instance *instance)
 {
     struct _X_IPC_CONTEXT *context = instance->context;
-    if (instance->delayed && !instance->responded && context_is_connected(context)) {
+    if (instance->delayed && !instance->responded && !instance_is_stale(instance) &&
+        context_is_connected(context)) {
         list_append(&context->delayed, &instance->in_queue);
         return;
     }

@@ -116,6 +116,12 @@ int direct_listen(struct _X_IPC_CONTEXT *context)
     return ERR_IO;
 }
 
+void direct_tell_port(struct _X_IPC_CONTEXT *context)
+{
+    const struct number_and_name port = {context->direct_port, context->module_name};
+    exchange_tell(context, LM_DIRECT_PORT, &port);
+}
+
 IPC_ERROR_TYPE direct_announce(struct _X_IPC_CONTEXT *context)
 {
     const struct number_and_name port = {context->direct_port, context->module_name};
@@ -278,8 +284,9 @@ void direct_forget_targets(struct message *message)
  * meanwhile. */
 static void make_targets(struct _X_IPC_CONTEXT *context, struct message *message)
 {
+    const unsigned connection = context->connection;
     char *name = mem_copy_string(message->name);
-    while (context_is_connected(context) && message->targets_stale) {
+    while (context_is_connected_as(context, connection) && message->targets_stale) {
         const int count = message->handlers.count;
         message->targets_stale = false;
         direct_forget_targets(message);
@@ -287,8 +294,8 @@ static void make_targets(struct _X_IPC_CONTEXT *context, struct message *message
         for (int i = count - 1; i >= 0 && !message->targets_stale; i--) {
             const int32_t handler = message->handlers.handlers[i].id;
             struct peer *peer = reach(context, name, &message->handlers.handlers[i]);
-            if (!context_is_connected(context)) {
-                break;
+            if (!context_is_connected_as(context, connection)) {
+                break; /* and the lists have gone */
             }
             struct direct_target *target = &message->targets[message->n_targets++];
             target->handler = handler;
@@ -300,14 +307,12 @@ static void make_targets(struct _X_IPC_CONTEXT *context, struct message *message
 
 IPC_ERROR_TYPE direct_find_targets(struct _X_IPC_CONTEXT *context, struct message *message)
 {
-    if (!message->handlers_watched) {
-        IPC_ERROR_TYPE error = handler_watch_start(context, message);
-        if (error == IPC_No_Error) {
-            error = handler_watch_ask(context, message);
-        }
-        if (error != IPC_No_Error) {
-            return error;
-        }
+    IPC_ERROR_TYPE error = handler_watch_start(context, message);
+    if (error == IPC_No_Error && !message->handlers_known) {
+        error = handler_watch_ask(context, message);
+    }
+    if (error != IPC_No_Error) {
+        return error;
     }
     (void)receive(context); /* central may have news of the list */
     if (context_is_connected(context) && message->targets_stale) {

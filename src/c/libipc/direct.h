@@ -40,6 +40,9 @@ void direct_peer_ended(struct peer *peer);
 /* Listens, and sets context->direct_port: 0 or ERR_IO. */
 int direct_listen(struct _X_IPC_CONTEXT *context);
 
+/* Queues the port for central. */
+void direct_tell_port(struct _X_IPC_CONTEXT *context);
+
 /* Tells central the port. */
 IPC_ERROR_TYPE direct_announce(struct _X_IPC_CONTEXT *context);
 

@@ -15,7 +15,7 @@ bool event_set_is_waiting(const struct library *library)
     struct list *position = library->contexts.next;
     for (; position != &library->contexts; position = position->next) {
         struct _X_IPC_CONTEXT *context = context_at(position);
-        if (context_is_connected(context) && inbox_first(context) != NULL) {
+        if (context_is_live(context) && inbox_first(context) != NULL) {
             return true;
         }
     }

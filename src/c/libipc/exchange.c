@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "libipc/reconnect.h"
 #include "libipc/report.h"
 #include "libipc/wait.h"
 
@@ -31,6 +32,12 @@ void exchange_frame(struct _X_IPC_CONTEXT *context, struct frame *frame, enum fr
     }
 }
 
+/* A write has found the connection gone. */
+static IPC_ERROR_TYPE lost(const struct _X_IPC_CONTEXT *context)
+{
+    return context_is_live(context) ? IPC_Not_Connected : IPC_Communication_Error;
+}
+
 IPC_ERROR_TYPE exchange_flush(struct _X_IPC_CONTEXT *context)
 {
     if (!context_is_open(context)) {
@@ -39,18 +46,21 @@ IPC_ERROR_TYPE exchange_flush(struct _X_IPC_CONTEXT *context)
     context->acknowledged_ns = 0;
     if (link_flush(&context->link) < 0) {
         context_lose(context, false);
-        return IPC_Communication_Error;
+        return lost(context);
     }
     return IPC_No_Error;
 }
 
 IPC_ERROR_TYPE exchange_drain(struct _X_IPC_CONTEXT *context, uint64_t mark)
 {
+    const unsigned connection = context->connection;
     IPC_ERROR_TYPE error = exchange_flush(context);
     context->writers++;
     while (error == IPC_No_Error && context->link.written < mark) {
         wait_turn(context->library, NO_DEADLINE);
-        error = context_is_open(context) ? IPC_No_Error : IPC_Communication_Error;
+        if (context->connection != connection || !context_is_open(context)) {
+            error = lost(context);
+        }
     }
     context->writers--;
     return error;
@@ -161,11 +171,14 @@ static IPC_ERROR_TYPE library_id(struct _X_IPC_CONTEXT *context, enum library_me
         (void)format_release(catalogue->reply[LM_MESSAGE_INFO], &reply);
     }
     *id = context->library_ids[which];
+    if (!context_is_connected(context)) {
+        return IPC_Not_Connected;
+    }
     return *id != 0 ? IPC_No_Error : IPC_Communication_Error;
 }
 
-IPC_ERROR_TYPE exchange_ask(struct _X_IPC_CONTEXT *context, enum library_message which,
-                            const void *payload, void *reply)
+static IPC_ERROR_TYPE ask(struct _X_IPC_CONTEXT *context, enum library_message which,
+                          const void *payload, void *reply)
 {
     const struct catalogue *catalogue = &context->library->catalogue;
     struct awaited awaited;
@@ -189,14 +202,41 @@ IPC_ERROR_TYPE exchange_ask(struct _X_IPC_CONTEXT *context, enum library_message
     return error;
 }
 
+IPC_ERROR_TYPE exchange_ask(struct _X_IPC_CONTEXT *context, enum library_message which,
+                            const void *payload, void *reply)
+{
+    IPC_ERROR_TYPE error;
+    unsigned connection;
+    do {
+        connection = context->connection;
+        error = ask(context, which, payload, reply);
+    } while (error != IPC_No_Error && reconnect_again(context, connection));
+    return error;
+}
+
+void exchange_tell(struct _X_IPC_CONTEXT *context, enum library_message which,
+                   const void *payload)
+{
+    if (context->library_ids[which] != 0) {
+        (void)exchange_queue_notice(context, context->library_ids[which],
+                                    context->library->catalogue.request[which],
+                                    payload); /* a loss shows in the context's state */
+    }
+}
+
 IPC_ERROR_TYPE exchange_notice(struct _X_IPC_CONTEXT *context, enum library_message which,
                                const void *payload)
 {
+    const unsigned connection = context->connection;
     int32_t id;
     IPC_ERROR_TYPE error = library_id(context, which, &id);
     if (error == IPC_No_Error) {
         error = exchange_queue_notice(context, id, context->library->catalogue.request[which],
                                       payload);
     }
-    return error == IPC_No_Error ? exchange_drain(context, context->link.queued) : error;
+    if (error == IPC_No_Error) {
+        error = exchange_drain(context, context->link.queued);
+    }
+    /* The handshake has told a central that came back everything that notices say. */
+    return error != IPC_No_Error && reconnect_again(context, connection) ? IPC_No_Error : error;
 }

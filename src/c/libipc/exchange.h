@@ -2,7 +2,8 @@
  * Frames between this module and central: sending, and asking.
  *
  * Every function returns IPC_Not_Connected when the connection is gone or goes
- * while it waits, and IPC_Communication_Error when a write finds it gone.
+ * while it waits, and IPC_Communication_Error when a write finds it gone.  Where calls
+ * wait for central to come back, asking and notices do, and succeed.
  */
 #ifndef IPC_LIBIPC_EXCHANGE_H
 #define IPC_LIBIPC_EXCHANGE_H
@@ -22,7 +23,8 @@ IPC_ERROR_TYPE exchange_flush(struct _X_IPC_CONTEXT *context);
 /* Waits until everything up to mark (of link_queue_borrowed, or link.queued) has been written. */
 IPC_ERROR_TYPE exchange_drain(struct _X_IPC_CONTEXT *context, uint64_t mark);
 
-/* Sends a notice. */
+/* Sends a notice.  What it says has been noted in the context before, so that the handshake tells it
+ * to a central that comes back. */
 IPC_ERROR_TYPE exchange_notice(struct _X_IPC_CONTEXT *context, enum library_message which,
                                const void *payload);
 
@@ -37,6 +39,10 @@ IPC_ERROR_TYPE exchange_ask(struct _X_IPC_CONTEXT *context, enum library_message
 IPC_ERROR_TYPE exchange_queue_request(struct _X_IPC_CONTEXT *context, int32_t message_id,
                                       const struct format *format, const void *payload,
                                       struct awaited *awaited);
+
+/* Queues a notice if central knows such. */
+void exchange_tell(struct _X_IPC_CONTEXT *context, enum library_message which,
+                   const void *payload);
 
 /* Queues a notice to a message whose number is known. */
 IPC_ERROR_TYPE exchange_queue_notice(struct _X_IPC_CONTEXT *context, int32_t message_id,

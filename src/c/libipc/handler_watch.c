@@ -20,6 +20,7 @@ static void set_list(struct _X_IPC_CONTEXT *context, struct message *message,
     const struct format *format = context->library->catalogue.handler_list;
     (void)format_release(format, &message->handlers); /* a list of the library's own is sound */
     message->handlers = *list;
+    message->handlers_known = true;
     message->targets_stale = true;
 }
 
@@ -62,6 +63,17 @@ IPC_ERROR_TYPE handler_watch_start(struct _X_IPC_CONTEXT *context, struct messag
     free(watched);
     free(name);
     return error;
+}
+
+void handler_watch_tell_all(struct _X_IPC_CONTEXT *context)
+{
+    struct table_entry *entry = table_first(&context->messages);
+    for (; entry != NULL; entry = table_next(&context->messages, entry)) {
+        const struct message *message = entry->value;
+        if (message->handlers_watched) {
+            exchange_tell(context, LM_WATCH_HANDLERS, &message->name);
+        }
+    }
 }
 
 IPC_ERROR_TYPE handler_watch_stop(struct _X_IPC_CONTEXT *context, struct message *message)

@@ -13,6 +13,9 @@
 /* Has central keep message->handlers up to date from now on. */
 IPC_ERROR_TYPE handler_watch_start(struct _X_IPC_CONTEXT *context, struct message *message);
 
+/* Queues that for all messages with which it was so, for a central that does not know it. */
+void handler_watch_tell_all(struct _X_IPC_CONTEXT *context);
+
 /* Ends that, unless direct mode still needs it. */
 IPC_ERROR_TYPE handler_watch_stop(struct _X_IPC_CONTEXT *context, struct message *message);
 

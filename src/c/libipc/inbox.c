@@ -118,6 +118,20 @@ struct instance *inbox_take(struct _X_IPC_CONTEXT *context)
     return instance;
 }
 
+void inbox_lose(struct _X_IPC_CONTEXT *context)
+{
+    struct list *position;
+    struct list *following;
+    LIST_EACH (position, following, &context->inbox) {
+        struct instance *instance = at(position);
+        instance->dispatch = NO_ID;
+        if (instance->kind == INSTANCE_DELIVERY && instance->class == CLASS_QUERY) {
+            take_out(instance);
+            instance_free(instance);
+        }
+    }
+}
+
 void inbox_clear(struct _X_IPC_CONTEXT *context)
 {
     while (!list_is_empty(&context->inbox)) {

@@ -17,6 +17,10 @@ struct instance *inbox_first(struct _X_IPC_CONTEXT *context);
 /* Takes it out. */
 struct instance *inbox_take(struct _X_IPC_CONTEXT *context);
 
+/* Central has gone: what has arrived is handled all the same, but for queries, which cannot be
+ * answered any more. */
+void inbox_lose(struct _X_IPC_CONTEXT *context);
+
 /* Frees all of them. */
 void inbox_clear(struct _X_IPC_CONTEXT *context);
 

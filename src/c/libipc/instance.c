@@ -25,6 +25,7 @@ struct instance *instance_new(struct _X_IPC_CONTEXT *context, enum instance_kind
     instance->number = idpool_take(&library->instances, instance);
     instance->kind = kind;
     instance->context = context;
+    instance->connection = context->connection;
     instance->dispatch = NO_ID;
     return instance;
 }
@@ -51,9 +52,17 @@ struct instance *instance_find(const struct library *library, MSG_INSTANCE handl
     return idpool_find(&library->instances, (uintptr_t)handle);
 }
 
+bool instance_is_stale(const struct instance *instance)
+{
+    return instance->connection != instance->context->connection;
+}
+
 bool instance_may_run(const struct instance *instance)
 {
     const struct _X_IPC_CONTEXT *context = instance->context;
+    if (!context_is_connected(context)) {
+        return instance->dispatch == NO_ID && instance->peer == NULL;
+    }
     return instance->dispatch == NO_ID || context->active < context->capacity;
 }
 
@@ -69,14 +78,17 @@ void instance_passivate(struct instance *instance)
 {
     if (instance->active) {
         instance->active = false;
-        instance->context->active--;
+        if (!instance_is_stale(instance)) {
+            instance->context->active--;
+        }
     }
 }
 
 void instance_acknowledge(struct instance *instance)
 {
     struct _X_IPC_CONTEXT *context = instance->context;
-    if (instance->dispatch == NO_ID || !context_is_connected(context)) {
+    if (instance->dispatch == NO_ID || instance_is_stale(instance) ||
+        !context_is_open(context)) {
         return;
     }
     context_acknowledge(context, instance->dispatch);

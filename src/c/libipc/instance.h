@@ -25,6 +25,7 @@ struct instance {
     uint32_t number;
     enum instance_kind kind;
     struct _X_IPC_CONTEXT *context;
+    unsigned connection;      /* of the context, over which it came */
     struct message *message;
     struct handler *handler;  /* deliveries */
     HANDLER_TYPE function;    /* replies */
@@ -57,8 +58,11 @@ MSG_INSTANCE instance_handle(const struct instance *instance);
 /* The live instance behind a handle, NULL if stale. */
 struct instance *instance_find(const struct library *library, MSG_INSTANCE handle);
 
+/* Whether the connection over which it came has gone: central, or a new one, knows nothing of it. */
+bool instance_is_stale(const struct instance *instance);
+
 /* Whether the capacity lets it run now.  Central may send more than that ahead; and what does not
- * come from central does not count. */
+ * come from central does not count.  While central is away, that is what it had sent before. */
 bool instance_may_run(const struct instance *instance);
 
 /* It counts against the capacity from now on, or (instance_passivate) no longer. */

@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "libipc/context.h"
 #include "libipc/event_set.h"
+#include "libipc/reconnect.h"
 
 /* The one mutable static of the library; everything else is reached from here. */
 static struct library the_library;
@@ -45,6 +46,7 @@ static void library_make(void)
     library->names = format_names_new();
     const char *empty_strings = getenv("IPC_EMPTY_STRINGS");
     format_set_empty_strings(empty_strings != NULL && strcmp(empty_strings, "1") == 0);
+    library->reconnect = reconnect_default();
     (void)atexit(library_end); /* at worst a stale file stays */
 }
 
@@ -101,7 +103,7 @@ static void library_restart(struct library *library)
 void library_initialise(struct library *library)
 {
     library_prepare(library);
-    if (!library->initialised && !library_any_connected(library)) {
+    if (!library->initialised && !library_any_live(library)) {
         library_restart(library);
     }
     if (library->waker.read_fd < 0) {
@@ -129,22 +131,28 @@ struct _X_IPC_CONTEXT *library_context(const struct library *library)
     return running != NULL && running->context != NULL ? running->context : library->current;
 }
 
-static struct _X_IPC_CONTEXT *if_connected(struct _X_IPC_CONTEXT *context)
+static struct _X_IPC_CONTEXT *if_live(struct _X_IPC_CONTEXT *context)
 {
-    return context != NULL && context_is_connected(context) ? context : NULL;
+    return context != NULL && context_is_live(context) ? context : NULL;
+}
+
+struct _X_IPC_CONTEXT *library_live(const struct library *library)
+{
+    return if_live(library_context(library));
 }
 
 struct _X_IPC_CONTEXT *library_connected(const struct library *library)
 {
-    return if_connected(library_context(library));
+    struct _X_IPC_CONTEXT *context = library_context(library);
+    return context != NULL && context_is_connected(context) ? context : NULL;
 }
 
-bool library_any_connected(const struct library *library)
+bool library_any_live(const struct library *library)
 {
     struct list *position;
     struct list *following;
     LIST_EACH (position, following, &library->contexts) {
-        if (context_is_connected(context_at(position))) {
+        if (context_is_live(context_at(position))) {
             return true;
         }
     }
@@ -153,12 +161,12 @@ bool library_any_connected(const struct library *library)
 
 bool library_is_ready(const struct library *library)
 {
-    return library->initialised || library_connected(library) != NULL;
+    return library->initialised || library_live(library) != NULL;
 }
 
 /* --------------------------------------------------------------- callbacks */
 
-/* The one that callbacks of a connected context take, or (NULL) those of no context. */
+/* The one that callbacks of a live context take, or (NULL) those of no context. */
 static struct turn *turn_of(struct library *library, struct _X_IPC_CONTEXT *context)
 {
     return context != NULL ? &context->turn : &library->turn;
@@ -166,7 +174,7 @@ static struct turn *turn_of(struct library *library, struct _X_IPC_CONTEXT *cont
 
 bool library_turn_is_free(struct library *library, struct _X_IPC_CONTEXT *context)
 {
-    const struct turn *turn = turn_of(library, if_connected(context));
+    const struct turn *turn = turn_of(library, if_live(context));
     return turn->thread == 0 || turn->thread == thread_number();
 }
 
@@ -175,7 +183,7 @@ struct running library_call(struct library *library, struct _X_IPC_CONTEXT *cont
 {
     struct running running;
     memset(&running, 0, sizeof running);
-    running.context = if_connected(context);
+    running.context = if_live(context);
     running.turn = turn_of(library, running.context);
     running.dispatch = dispatch;
     return running;

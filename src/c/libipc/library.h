@@ -18,6 +18,7 @@
 #include <stdint.h>
 
 #include "ipc/ipc.h"
+#include "ipc/ipcx.h"
 
 #include "base/buffer.h"
 #include "base/idpool.h"
@@ -66,6 +67,7 @@ struct library {
     struct turn turn;                  /* of timers and descriptors that no context owns */
     void (*exit_procedure)(void);
     bool in_exit_procedure;
+    IPCX_RECONNECT reconnect;      /* what follows a loss in contexts to come */
 
     struct catalogue catalogue;
     struct format *variable_wire;  /* wire format of variable-length messages */
@@ -108,8 +110,11 @@ struct _X_IPC_CONTEXT *library_context(const struct library *library);
 /* The same if it is connected, else NULL. */
 struct _X_IPC_CONTEXT *library_connected(const struct library *library);
 
-/* Whether any context is connected. */
-bool library_any_connected(const struct library *library);
+/* The same if it is connected or going to be again, else NULL. */
+struct _X_IPC_CONTEXT *library_live(const struct library *library);
+
+/* Whether any context is connected or going to be again. */
+bool library_any_live(const struct library *library);
 
 /* Whether marshalling calls work: initialised, or the current context is connected. */
 bool library_is_ready(const struct library *library);
@@ -118,7 +123,7 @@ bool library_is_ready(const struct library *library);
 struct running *library_running(const struct library *library);
 
 /*
- * A callback that belongs to a context; to none if that is NULL or no longer connected.  dispatch is
+ * A callback that belongs to a context; to none if that is NULL or has ended.  dispatch is
  * the parent of what it sends.  Stays on the caller's stack until library_call_end.
  */
 struct running library_call(struct library *library, struct _X_IPC_CONTEXT *context,

@@ -13,6 +13,7 @@
 #include "libipc/exchange.h"
 #include "libipc/inbox.h"
 #include "libipc/receive.h"
+#include "libipc/reconnect.h"
 #include "libipc/timer.h"
 #include "libipc/wait.h"
 #include "libipc/watch_fd.h"
@@ -24,6 +25,7 @@ enum { ACKNOWLEDGE_NS = 1000000 };
 static void look(struct library *library, bool urgent)
 {
     struct list *position = library->contexts.next;
+    reconnect_turn(library); /* news of it come through the inbox */
     for (; position != &library->contexts; position = position->next) {
         struct _X_IPC_CONTEXT *context = context_at(position);
         if (context_is_connected(context) && inbox_first(context) == NULL &&
@@ -52,7 +54,7 @@ static int run_messages(struct _X_IPC_CONTEXT *context, int limit)
 {
     int n_run = 0;
     size_t n_waiting = context->n_inbox;
-    while (n_waiting-- > 0 && n_run < limit && context_is_connected(context) &&
+    while (n_waiting-- > 0 && n_run < limit && context_is_live(context) &&
            library_turn_is_free(context->library, context)) {
         struct instance *instance = inbox_take(context);
         if (instance == NULL) {
@@ -115,7 +117,7 @@ static enum listen_result rounds(struct library *library, uint64_t deadline_ns,
     for (;;) {
         bool over = wait_is_over(deadline_ns);
         timer_run_due(library);
-        if (awaited == NULL && library_connected(library) == NULL) {
+        if (awaited == NULL && library_live(library) == NULL) {
             return LISTEN_NOTHING; /* a timer has disconnected */
         }
         look(library, is_urgent(library, over, mode));
@@ -129,14 +131,14 @@ static enum listen_result rounds(struct library *library, uint64_t deadline_ns,
             timer_run_due(library);
             return LISTEN_HANDLED;
         }
-        if (awaited == NULL && library_connected(library) == NULL) {
+        if (awaited == NULL && library_live(library) == NULL) {
             return LISTEN_DISCONNECTED;
         }
         if (over) {
             return LISTEN_NOTHING;
         }
         wait_turn(library, deadline_ns);
-        if (awaited == NULL && library_connected(library) == NULL) {
+        if (awaited == NULL && library_live(library) == NULL) {
             return LISTEN_DISCONNECTED;
         }
     }
@@ -155,8 +157,8 @@ static enum listen_result pass(struct library *library, uint64_t deadline_ns,
 enum listen_result listen_pass(struct library *library, uint64_t deadline_ns,
                                enum listen_mode mode)
 {
-    return library_connected(library) != NULL ? pass(library, deadline_ns, mode, NULL)
-                                              : LISTEN_DISCONNECTED;
+    return library_live(library) != NULL ? pass(library, deadline_ns, mode, NULL)
+                                         : LISTEN_DISCONNECTED;
 }
 
 void listen_pass_for(struct library *library, uint64_t deadline_ns,

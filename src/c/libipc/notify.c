@@ -71,11 +71,12 @@ static bool watcher_drop(struct list *watchers, any_function function, const cha
 
 /* -------------------------------------------------------------------- notices */
 
-static void queue_notice(struct _X_IPC_CONTEXT *context, const struct frame *frame,
-                         struct list *watchers, char *name, int count)
+/* dispatch: of the delivery of central that is the news, NO_ID: none. */
+static void queue_notice(struct _X_IPC_CONTEXT *context, int32_t dispatch, struct list *watchers,
+                         char *name, int count)
 {
     struct instance *notice = instance_new(context, INSTANCE_NOTICE);
-    notice->dispatch = frame->reference;
+    notice->dispatch = dispatch;
     notice->watchers = watchers;
     notice->notice_name = name;
     notice->notice_count = count;
@@ -92,7 +93,7 @@ static bool take_module_event(struct _X_IPC_CONTEXT *context, const struct frame
         name == NULL) {
         return true; /* nothing that anybody could be told */
     }
-    queue_notice(context, frame, watchers, name, 0);
+    queue_notice(context, frame->reference, watchers, name, 0);
     return false;
 }
 
@@ -116,9 +117,16 @@ bool notify_handlers_changed(struct _X_IPC_CONTEXT *context, const struct messag
     if (watcher_find(&context->change_watchers, NULL, message->name) == NULL) {
         return true;
     }
-    queue_notice(context, frame, &context->change_watchers, mem_copy_string(message->name),
-                 message->handlers.count);
+    queue_notice(context, frame->reference, &context->change_watchers,
+                 mem_copy_string(message->name), message->handlers.count);
     return false;
+}
+
+void notify_connection(struct _X_IPC_CONTEXT *context, bool connected)
+{
+    if (!list_is_empty(&context->connection_watchers)) {
+        queue_notice(context, NO_ID, &context->connection_watchers, NULL, connected);
+    }
 }
 
 /* A copy of what is to be called: watchers come and go while the others run. */
@@ -147,14 +155,16 @@ static size_t list_calls(const struct instance *notice, const char *message, str
     return n_calls;
 }
 
-static void run(struct instance *notice, const struct call *call, bool change)
+static void run(struct instance *notice, const struct call *call)
 {
     struct _X_IPC_CONTEXT *context = notice->context;
     struct running running = library_call(context->library, context, notice->dispatch);
     const char *name = notice->notice_name;
     library_call_begin(context->library, &running);
-    if (change) {
+    if (notice->watchers == &context->change_watchers) {
         ((CHANGE_HANDLE_TYPE)call->function)(name, notice->notice_count, call->client_data);
+    } else if (notice->watchers == &context->connection_watchers) {
+        ((IPCX_CONNECTION_HANDLER)call->function)(notice->notice_count, call->client_data);
     } else {
         ((CONNECT_HANDLE_TYPE)call->function)(name, call->client_data);
     }
@@ -167,8 +177,8 @@ void notify_run(struct instance *notice)
     struct call *calls;
     const bool change = notice->watchers == &context->change_watchers;
     const size_t n_calls = list_calls(notice, change ? notice->notice_name : NULL, &calls);
-    for (size_t i = 0; i < n_calls && context_is_connected(context); i++) {
-        run(notice, &calls[i], change);
+    for (size_t i = 0; i < n_calls && context_is_live(context); i++) {
+        run(notice, &calls[i]);
     }
     free(calls);
 }
@@ -232,6 +242,17 @@ IPC_ERROR_TYPE notify_remove_change(struct _X_IPC_CONTEXT *context, const char *
     return handler_watch_stop(context, message);
 }
 
+void notify_add_connection(struct _X_IPC_CONTEXT *context, IPCX_CONNECTION_HANDLER handler,
+                           void *client_data)
+{
+    watcher_add(&context->connection_watchers, (any_function)handler, NULL, client_data);
+}
+
+void notify_remove_connection(struct _X_IPC_CONTEXT *context, IPCX_CONNECTION_HANDLER handler)
+{
+    (void)watcher_drop(&context->connection_watchers, (any_function)handler, NULL);
+}
+
 static void clear(struct list *watchers)
 {
     while (!list_is_empty(watchers)) {
@@ -244,4 +265,5 @@ void notify_clear(struct _X_IPC_CONTEXT *context)
     clear(&context->connect_watchers);
     clear(&context->disconnect_watchers);
     clear(&context->change_watchers);
+    clear(&context->connection_watchers);
 }

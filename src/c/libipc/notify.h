@@ -9,7 +9,7 @@
 
 struct watcher {
     struct list in_context; /* latest first */
-    void (*function)(void); /* CONNECT_HANDLE_TYPE or CHANGE_HANDLE_TYPE */
+    void (*function)(void); /* CONNECT_HANDLE_TYPE, CHANGE_HANDLE_TYPE or IPCX_CONNECTION_HANDLER */
     void *client_data;
     char *message; /* change watchers: which message, owned; else NULL */
 };
@@ -29,6 +29,13 @@ IPC_ERROR_TYPE notify_remove_change(struct _X_IPC_CONTEXT *context, const char *
  * nobody watches, so that the frame is done with. */
 bool notify_handlers_changed(struct _X_IPC_CONTEXT *context, const struct message *message,
                              const struct frame *frame);
+
+/* Has watchers told that central has gone, or is back. */
+void notify_connection(struct _X_IPC_CONTEXT *context, bool connected);
+
+void notify_add_connection(struct _X_IPC_CONTEXT *context, IPCX_CONNECTION_HANDLER handler,
+                           void *client_data);
+void notify_remove_connection(struct _X_IPC_CONTEXT *context, IPCX_CONNECTION_HANDLER handler);
 
 /* Calls the watchers of a notice. */
 void notify_run(struct instance *notice);

@@ -8,9 +8,11 @@
 
 #include "base/error.h"
 #include "base/limits.h"
+#include "base/memory.h"
 #include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/receive.h"
+#include "libipc/reconnect.h"
 #include "libipc/report.h"
 
 /* --------------------------------------------------------------------- length */
@@ -102,8 +104,10 @@ static bool nobody_subscribes(struct _X_IPC_CONTEXT *context, const struct messa
 static size_t send_to_targets(struct _X_IPC_CONTEXT *context, struct frame *frame,
                               struct message *message, const void *content, size_t length)
 {
+    const unsigned connection = context->connection;
     size_t n_sent = 0;
-    for (size_t i = 0; i < message->n_targets && context_is_connected(context); i++) {
+    for (size_t i = 0;
+         context_is_connected_as(context, connection) && i < message->n_targets; i++) {
         struct peer *peer = message->targets[i].peer;
         if (peer == NULL || peer->link.fd < 0) {
             continue;
@@ -124,24 +128,43 @@ IPC_ERROR_TYPE publish_send(struct _X_IPC_CONTEXT *context, struct frame *frame,
                             struct message *message, const void *content, size_t length)
 {
     if (message->id < 0) {
+        const unsigned connection = context->connection;
         const IPC_ERROR_TYPE error = direct_find_targets(context, message);
         if (error != IPC_No_Error) {
             return error;
         }
-        if (send_to_targets(context, frame, message, content, length) > 0 ||
-            (message->n_targets > 0 && frame->class != CLASS_QUERY)) {
-            return context_is_connected(context) ? IPC_No_Error : IPC_Not_Connected;
+        const size_t n_sent = send_to_targets(context, frame, message, content, length);
+        if (!context_is_connected_as(context, connection)) {
+            return IPC_Not_Connected; /* or by another connection, with other numbers */
+        }
+        if (n_sent > 0 || (message->n_targets > 0 && frame->class != CLASS_QUERY)) {
+            return IPC_No_Error;
         }
     }
     frame->intent = message->id;
     return publish_frame(context, frame, message, content, length);
 }
 
-IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
-                       unsigned int length, const void *content)
+/* The message as the present central knows it: since it was found, another one may have come. */
+static IPC_ERROR_TYPE find_again(struct _X_IPC_CONTEXT *context, struct message **message)
+{
+    char *name = mem_copy_string((*message)->name); /* which may go with the connection */
+    const IPC_ERROR_TYPE error = registry_find(context, name, true, message);
+    free(name);
+    return error;
+}
+
+static IPC_ERROR_TYPE publish_once(struct _X_IPC_CONTEXT *context, struct message *message,
+                                   unsigned int length, const void *content)
 {
     struct frame frame;
-    const IPC_ERROR_TYPE error = publish_check(message, &length, content);
+    IPC_ERROR_TYPE error = IPC_No_Error;
+    if (!message->known) {
+        error = find_again(context, &message);
+    }
+    if (error == IPC_No_Error) {
+        error = publish_check(message, &length, content);
+    }
     if (error != IPC_No_Error || nobody_subscribes(context, message)) {
         return error;
     }
@@ -150,6 +173,18 @@ IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
     }
     exchange_frame(context, &frame, CLASS_BROADCAST, message->id);
     return publish_send(context, &frame, message, content, length);
+}
+
+IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
+                       unsigned int length, const void *content)
+{
+    IPC_ERROR_TYPE error;
+    unsigned connection;
+    do {
+        connection = context->connection;
+        error = publish_once(context, message, length, content);
+    } while (error != IPC_No_Error && reconnect_again(context, connection));
+    return error;
 }
 
 /* ------------------------------------------------------------------- encoding */

@@ -135,7 +135,10 @@ static IPC_ERROR_TYPE check_answerable(const struct instance *instance)
                     (unsigned)instance->number, instance->message->name);
         return IPC_Argument_Out_Of_Range;
     }
-    return instance->running || instance->delayed ? IPC_No_Error : IPC_Argument_Out_Of_Range;
+    if (!instance->running && !instance->delayed) {
+        return IPC_Argument_Out_Of_Range;
+    }
+    return instance_is_stale(instance) ? IPC_Not_Connected : IPC_No_Error;
 }
 
 /* A message name as class data; the caller frees it: 0 or ERR_MEMORY. */

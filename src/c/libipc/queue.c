@@ -7,6 +7,31 @@
 #include "libipc/exchange.h"
 #include "libipc/registry.h"
 
+static void tell_message(struct _X_IPC_CONTEXT *context, const struct message *message)
+{
+    if (message->queue_limit != 0) {
+        const struct pending_limit pending = {message->name, context->module_name,
+                                              message->queue_limit};
+        exchange_tell(context, LM_LIMIT_PENDING, &pending);
+    }
+    if (message->priority >= 0) {
+        const struct name_and_number setting = {message->name, message->priority};
+        exchange_tell(context, LM_PRIORITY, &setting);
+    }
+}
+
+void queue_tell_all(struct _X_IPC_CONTEXT *context)
+{
+    struct table_entry *entry = table_first(&context->messages);
+    if (context->capacity != 1) {
+        const struct number_and_name resource = {context->capacity, context->module_name};
+        exchange_tell(context, LM_RESOURCE, &resource);
+    }
+    for (; entry != NULL; entry = table_next(&context->messages, entry)) {
+        tell_message(context, entry->value);
+    }
+}
+
 IPC_ERROR_TYPE queue_set_capacity(struct _X_IPC_CONTEXT *context, int capacity)
 {
     const struct number_and_name resource = {capacity, context->module_name};

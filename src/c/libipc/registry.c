@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "libipc/define.h"
 #include "libipc/exchange.h"
 #include "libipc/formatter.h"
 #include "libipc/handler_watch.h"
@@ -50,6 +51,7 @@ void registry_learn(struct _X_IPC_CONTEXT *context, const char *name,
         memcpy(message->name, info->name, strlen(info->name));
     }
     message->known = true;
+    message->lost = false;
     message->id = info->id;
     learn_wire(message, info->wire);
     message->content = NULL;
@@ -58,25 +60,51 @@ void registry_learn(struct _X_IPC_CONTEXT *context, const char *name,
     }
 }
 
-IPC_ERROR_TYPE registry_find(struct _X_IPC_CONTEXT *context, const char *name, bool loud,
-                             struct message **message)
+/* Asks central and learns its answer; *exists tells whether it knows the name. */
+static IPC_ERROR_TYPE ask(struct _X_IPC_CONTEXT *context, const char *name, bool *exists)
 {
-    *message = table_find(&context->messages, name);
-    if (*message != NULL && (*message)->known) {
-        return IPC_No_Error;
-    }
     /* The request's strings are only read. */
     struct message_info_request request = {(char *)(uintptr_t)name, NULL};
     struct optional_message_info reply;
-    *message = NULL;
     const IPC_ERROR_TYPE error = exchange_ask(context, LM_MESSAGE_INFO, &request, &reply);
+    *exists = reply.info != NULL;
+    if (error == IPC_No_Error) {
+        registry_learn(context, name, reply.info);
+        (void)format_release(context->library->catalogue.reply[LM_MESSAGE_INFO], &reply);
+    }
+    return error;
+}
+
+/* What other modules have defined is not known to a central that has come back before they have. */
+static IPC_ERROR_TYPE ask_again_if_lost(struct _X_IPC_CONTEXT *context, const char *name,
+                                        bool *exists)
+{
+    const struct message *message = table_find(&context->messages, name);
+    if (message == NULL || message->known || !message->lost) {
+        return IPC_No_Error;
+    }
+    const IPC_ERROR_TYPE error = define_again(context, message);
+    return error == IPC_No_Error ? ask(context, name, exists) : error;
+}
+
+IPC_ERROR_TYPE registry_find(struct _X_IPC_CONTEXT *context, const char *name, bool loud,
+                             struct message **message)
+{
+    bool exists;
+    *message = NULL;
+    struct message *entry = table_find(&context->messages, name);
+    if (entry != NULL && entry->known) {
+        *message = entry;
+        return IPC_No_Error;
+    }
+    IPC_ERROR_TYPE error = ask(context, name, &exists);
+    if (error == IPC_No_Error && loud) {
+        error = ask_again_if_lost(context, name, &exists);
+    }
     if (error != IPC_No_Error) {
         return error;
     }
-    const bool exists = reply.info != NULL;
-    registry_learn(context, name, reply.info);
-    (void)format_release(context->library->catalogue.reply[LM_MESSAGE_INFO], &reply);
-    struct message *entry = table_find(&context->messages, name);
+    entry = table_find(&context->messages, name);
     if (entry != NULL && entry->known) {
         *message = entry;
         return IPC_No_Error;
@@ -89,9 +117,22 @@ IPC_ERROR_TYPE registry_find(struct _X_IPC_CONTEXT *context, const char *name, b
     return IPC_Message_Not_Defined;
 }
 
+void registry_lose(struct _X_IPC_CONTEXT *context)
+{
+    struct table_entry *entry = table_first(&context->messages);
+    for (; entry != NULL; entry = table_next(&context->messages, entry)) {
+        struct message *message = entry->value;
+        message->lost = message->lost || message->known;
+        message->known = false;
+        message->handlers_known = false;
+        handler_watch_forget(context, message);
+    }
+}
+
 void registry_renew(struct message *message)
 {
     message->known = false;
+    message->lost = false;
 }
 
 void registry_clear(struct _X_IPC_CONTEXT *context)
@@ -100,6 +141,7 @@ void registry_clear(struct _X_IPC_CONTEXT *context)
     for (; entry != NULL; entry = table_next(&context->messages, entry)) {
         struct message *message = entry->value;
         handler_watch_forget(context, message);
+        define_forget(message);
         free(message->name);
         free(message);
     }

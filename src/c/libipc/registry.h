@@ -15,11 +15,13 @@ enum wire_kind {
     WIRE_VARIABLE /* length, length again, bytes */
 };
 
+struct definition;
 struct direct_target;
 
 struct message {
     char *name;     /* spelled as defined, once it is; owned */
     bool known;     /* central has told its definition */
+    bool lost;      /* an earlier central had; what it said is still here */
     int32_t id;     /* of central; negative: deliver directly */
     enum wire_kind wire;
     size_t fixed_length;
@@ -27,8 +29,10 @@ struct message {
     unsigned n_subscriptions; /* of this module */
     int queue_limit;          /* 0: none */
     int priority;             /* -1: none */
+    struct definition *definition; /* by this module; NULL: none; owned, see define.h */
 
     bool handlers_watched;    /* central keeps handlers up to date here */
+    bool handlers_known;      /* and has told them */
     struct handler_list handlers;   /* newest subscription first; owned, of catalogue.handler_list */
     bool targets_stale;             /* handlers have changed since targets were made */
     struct direct_target *targets;  /* oldest subscription first, owned */
@@ -40,7 +44,9 @@ struct message *registry_get(struct _X_IPC_CONTEXT *context, const char *name);
 
 /*
  * The message with its definition, asking central if need be; *message is NULL
- * with IPC_Message_Not_Defined (printed if loud) or an error of exchange.
+ * with IPC_Message_Not_Defined or an error of exchange.  loud: it is needed, so that is
+ * printed, and what another module had defined before central was lost, and has not
+ * yet defined again, is defined on its behalf.
  */
 IPC_ERROR_TYPE registry_find(struct _X_IPC_CONTEXT *context, const char *name, bool loud,
                              struct message **message);
@@ -48,6 +54,9 @@ IPC_ERROR_TYPE registry_find(struct _X_IPC_CONTEXT *context, const char *name, b
 /* Takes the answer of central to a look-up into the entry of that name. */
 void registry_learn(struct _X_IPC_CONTEXT *context, const char *name,
                     const struct message_info *info);
+
+/* Central has gone: its numbers are forgotten, and where messages go; what they are is kept. */
+void registry_lose(struct _X_IPC_CONTEXT *context);
 
 /* Makes the next use ask again, after this module has defined the message. */
 void registry_renew(struct message *message);

@@ -28,9 +28,18 @@ static struct handler *handler_get(struct _X_IPC_CONTEXT *context, const char *h
         handler = mem_new(sizeof *handler);
         handler->name = mem_copy_string(handler_name);
         handler->id = idpool_take(&context->handler_ids, handler);
+        list_init(&handler->in_context);
         (void)table_put(&context->handlers, handler_name, handler); /* new: replaces nothing */
     }
     return handler;
+}
+
+static void begin(struct _X_IPC_CONTEXT *context, struct handler *handler, const char *message)
+{
+    handler->subscribed = true;
+    handler->message = registry_get(context, message);
+    list_remove(&handler->in_context);
+    list_append(&context->subscribed, &handler->in_context);
 }
 
 static IPC_ERROR_TYPE tell(struct _X_IPC_CONTEXT *context, enum library_message which,
@@ -83,11 +92,10 @@ IPC_ERROR_TYPE subscription_add(struct _X_IPC_CONTEXT *context, const char *mess
         replace(handler, function, client_data, unmarshall);
         return IPC_No_Error;
     }
-    handler->subscribed = true;
+    begin(context, handler, message);
     handler->function = function;
     handler->client_data = client_data;
     handler->unmarshall = unmarshall;
-    handler->message = registry_get(context, message);
     handler->message->n_subscriptions++;
     /* Central keeps the number of the first registration; CMU IPC sends 0 with the others. */
     const int id = handler->registered ? 0 : (int)handler->id;
@@ -100,9 +108,10 @@ struct handler *subscription_prepare_internal(struct _X_IPC_CONTEXT *context, co
                                               subscription_internal internal)
 {
     struct handler *handler = handler_get(context, message);
-    handler->subscribed = true;
     handler->internal = internal;
-    handler->message = registry_get(context, message);
+    if (!handler->subscribed) {
+        begin(context, handler, message);
+    }
     return handler;
 }
 
@@ -118,6 +127,7 @@ IPC_ERROR_TYPE subscription_add_internal(struct _X_IPC_CONTEXT *context, const c
 static IPC_ERROR_TYPE end(struct _X_IPC_CONTEXT *context, struct handler *handler)
 {
     handler->subscribed = false;
+    list_remove(&handler->in_context);
     if (handler->internal == NULL) {
         handler->message->n_subscriptions--;
     }
@@ -145,6 +155,28 @@ IPC_ERROR_TYPE subscription_remove_all(struct _X_IPC_CONTEXT *context, const cha
     return error;
 }
 
+void subscription_tell_all(struct _X_IPC_CONTEXT *context)
+{
+    struct list *position = context->subscribed.next;
+    for (; position != &context->subscribed; position = position->next) {
+        struct handler *handler = LIST_OWNER(position, struct handler, in_context);
+        /* The payload's strings are only read. */
+        const struct subscription_notice notice = {(int)handler->id, handler->message->name,
+                                                   handler->name};
+        handler->registered = true;
+        exchange_tell(context, LM_SUBSCRIBE, &notice);
+    }
+}
+
+void subscription_lose(struct _X_IPC_CONTEXT *context)
+{
+    struct table_entry *position = table_first(&context->handlers);
+    for (; position != NULL; position = table_next(&context->handlers, position)) {
+        struct handler *handler = position->value;
+        handler->registered = false;
+    }
+}
+
 void subscription_clear(struct _X_IPC_CONTEXT *context)
 {
     struct table_entry *position = table_first(&context->handlers);
@@ -153,6 +185,7 @@ void subscription_clear(struct _X_IPC_CONTEXT *context)
         free(handler->name);
         free(handler);
     }
+    list_init(&context->subscribed);
     table_fini(&context->handlers);
     table_init(&context->handlers, TABLE_FOLDING);
     idpool_fini(&context->handler_ids);

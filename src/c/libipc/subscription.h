@@ -19,6 +19,7 @@ typedef bool (*subscription_internal)(struct _X_IPC_CONTEXT *context, struct han
                                       const struct frame *frame);
 
 struct handler {
+    struct list in_context; /* in its context's list of subscriptions while subscribed */
     char *name; /* HND-<message><address>, or a name that a binding chose; owned */
     uint32_t id;
     bool registered; /* central has had its number */
@@ -51,6 +52,12 @@ IPC_ERROR_TYPE subscription_remove_all(struct _X_IPC_CONTEXT *context, const cha
 
 /* The usual handler name for a function; the caller frees it. */
 char *subscription_name(const char *message, HANDLER_TYPE function);
+
+/* Queues all subscriptions, oldest first, for a central that does not know them. */
+void subscription_tell_all(struct _X_IPC_CONTEXT *context);
+
+/* Central has gone, and the numbers with it. */
+void subscription_lose(struct _X_IPC_CONTEXT *context);
 
 void subscription_clear(struct _X_IPC_CONTEXT *context);
 

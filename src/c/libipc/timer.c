@@ -18,7 +18,7 @@ struct timer {
     long left; /* TRIGGER_FOREVER: for ever */
     TIMER_HANDLER_TYPE handler;
     void *client_data;
-    struct _X_IPC_CONTEXT *context; /* current when it was added; NULL: none was connected */
+    struct _X_IPC_CONTEXT *context; /* current when it was added; NULL: there was none */
     uint64_t pass; /* the one in which it was called last */
     bool running;
     bool removed; /* while running: freed when the handler returns */
@@ -91,7 +91,7 @@ TIMER_REF timer_add(struct library *library, uint64_t delay_ms, long count,
     timer->left = count;
     timer->handler = handler;
     timer->client_data = client_data;
-    timer->context = library_connected(library);
+    timer->context = library_live(library);
     timer->pass = 0;
     find_next(library);
     library_changed(library);

@@ -10,6 +10,7 @@
 #include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/receive.h"
+#include "libipc/reconnect.h"
 #include "libipc/watch_fd.h"
 
 enum { FEW = 16 };
@@ -107,6 +108,8 @@ static void gather(struct library *library, struct waiting *waiting)
             waiting_add(waiting, context->link.fd, full ? READY_READ | READY_WRITE : READY_READ,
                         context);
             direct_each_fd(context, waiting_add, waiting);
+        } else if (context->away != NULL && context->away->fd >= 0) {
+            waiting_add(waiting, context->away->fd, READY_WRITE, context);
         }
     }
     if (library->waker.read_fd >= 0) {
@@ -169,10 +172,12 @@ static void take_found(struct library *library, const struct waiting *waiting)
     }
 }
 
-/* Milliseconds until the deadline or the next timer, -1 for ever, rounded up so as not to wake early. */
+/* Milliseconds until the deadline, the next timer or the next try to reconnect, -1 for ever, rounded up
+ * so as not to wake early. */
 static int64_t patience_ms(const struct library *library, uint64_t deadline_ns)
 {
-    uint64_t until = deadline_ns;
+    const uint64_t due = reconnect_due(library);
+    uint64_t until = due < deadline_ns ? due : deadline_ns;
     if (library->listeners > 0 && library->next_timer_ns < until) {
         until = library->next_timer_ns;
     }
@@ -200,6 +205,7 @@ static void wait_in_kernel(struct library *library, uint64_t deadline_ns)
     if (found > 0) {
         take_found(library, &waiting);
     }
+    reconnect_turn(library); /* what it waited for may have come, or its time */
     if (library->sleepers > 0) {
         condition_tell_all(library->changed);
     }

@@ -45,7 +45,7 @@ static void replace(struct watched_fd *watched, FD_HANDLER_TYPE handler, void *c
 
 void watch_fd_add(struct library *library, int fd, FD_HANDLER_TYPE handler, void *client_data)
 {
-    const struct _X_IPC_CONTEXT *context = library_connected(library);
+    const struct _X_IPC_CONTEXT *context = library_live(library);
     struct watched_fd *watched = watched_find(library, fd);
     if (context != NULL && !context->will_listen) {
         report_warning("WARNING: Subscribing to port %d, but have connected no-listen\n", fd);
@@ -58,7 +58,7 @@ void watch_fd_add(struct library *library, int fd, FD_HANDLER_TYPE handler, void
     watched->fd = fd;
     watched->handler = handler;
     watched->client_data = client_data;
-    watched->context = library_connected(library);
+    watched->context = library_live(library);
     list_insert(place_of(library, fd), &watched->in_library);
     if (fd > library->max_fd) {
         library->max_fd = fd;
@@ -76,7 +76,7 @@ void watch_fd_remove(struct library *library, int fd)
     }
 }
 
-/* The context that a descriptor belongs to, as long as it is connected. */
+/* In the context that the descriptor belongs to, as long as that has not ended. */
 static void call(struct library *library, struct watched_fd *watched)
 {
     struct running running = library_call(library, watched->context, NO_ID);

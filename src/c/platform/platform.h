@@ -62,6 +62,12 @@ int net_refuse(int listener, int *spare);
 int net_connect_tcp(const char *host, int port, int timeout_ms, int *fd);
 int net_connect_local(const char *path, int *fd);
 
+/* Begins to connect to a numeric address, without waiting: 0 or ERR_UNKNOWN (not numeric), ERR_REFUSED, ERR_IO. */
+int net_start_tcp(const char *address, int port, int *fd);
+
+/* How far that has come: 0 (connected), 1 (not yet; the descriptor will be writable), ERR_REFUSED, ERR_IO. */
+int net_look_at_start(int fd);
+
 struct net_slice {
     const void *bytes;
     size_t length;

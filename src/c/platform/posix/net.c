@@ -331,6 +331,18 @@ int net_refuse(int listener, int *spare)
 
 /* -------------------------------------------------------------- connecting */
 
+/* Whether a connection that is no longer under way has come about. */
+static int result_of_connecting(int fd)
+{
+    int reason = 0;
+    socklen_t length = sizeof reason;
+    if (getsockopt(fd, SOL_SOCKET, SO_ERROR, &reason, &length) < 0) {
+        return ERR_IO;
+    }
+    errno = reason;
+    return reason == 0 ? 0 : ERR_REFUSED;
+}
+
 static int await_connection(int fd, uint64_t deadline_ns)
 {
     for (;;) {
@@ -348,13 +360,7 @@ static int await_connection(int fd, uint64_t deadline_ns)
             return ERR_IO;
         }
     }
-    int reason = 0;
-    socklen_t length = sizeof reason;
-    if (getsockopt(fd, SOL_SOCKET, SO_ERROR, &reason, &length) < 0) {
-        return ERR_IO;
-    }
-    errno = reason;
-    return reason == 0 ? 0 : ERR_REFUSED;
+    return result_of_connecting(fd);
 }
 
 static int connect_to(const struct addrinfo *target, uint64_t deadline_ns, int *fd)
@@ -396,6 +402,56 @@ int net_connect_tcp(const char *host, int port, int timeout_ms, int *fd)
     }
     freeaddrinfo(targets);
     return error;
+}
+
+/* The two ends are one: the port was free, and the kernel gave it to this very socket. */
+static bool is_connected_to_itself(int fd)
+{
+    struct sockaddr_storage own;
+    struct sockaddr_storage other;
+    socklen_t own_length = sizeof own;
+    socklen_t other_length = sizeof other;
+    memset(&own, 0, sizeof own);
+    memset(&other, 0, sizeof other);
+    return getsockname(fd, (struct sockaddr *)&own, &own_length) == 0 &&
+           getpeername(fd, (struct sockaddr *)&other, &other_length) == 0 &&
+           own_length == other_length && memcmp(&own, &other, own_length) == 0;
+}
+
+int net_start_tcp(const char *address, int port, int *fd)
+{
+    struct addrinfo hints;
+    struct addrinfo *target;
+    char service[16];
+    memset(&hints, 0, sizeof hints);
+    hints.ai_family = AF_UNSPEC;
+    hints.ai_socktype = SOCK_STREAM;
+    hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV; /* then nobody is asked */
+    snprintf(service, sizeof service, "%d", port);
+    if (getaddrinfo(address, service, &hints, &target) != 0) {
+        return ERR_UNKNOWN;
+    }
+    int error = new_socket(target->ai_family, fd);
+    if (error == 0) {
+        tune_tcp(*fd);
+        if (connect(*fd, target->ai_addr, target->ai_addrlen) != 0 && errno != EINPROGRESS &&
+            errno != EINTR) {
+            error = close_with(*fd, ERR_REFUSED);
+        }
+    }
+    freeaddrinfo(target);
+    return error;
+}
+
+int net_look_at_start(int fd)
+{
+    struct pollfd item = {fd, POLLOUT, 0};
+    const int n = poll(&item, 1, 0);
+    if (n == 0 || (n < 0 && errno == EINTR)) {
+        return 1;
+    }
+    const int error = n < 0 ? ERR_IO : result_of_connecting(fd);
+    return error == 0 && is_connected_to_itself(fd) ? ERR_REFUSED : error;
 }
 
 int net_connect_local(const char *path, int *fd)

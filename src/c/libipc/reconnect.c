@@ -1,0 +1,244 @@
+/*
+ * Coming back after the loss of central.
+ *
+ *     away: pause -> TCP connection under way -> connecting: handshake -> connected
+ *             ^                |                        |
+ *             +----------------+------------------------+    each failure: a longer pause
+ */
+#include "libipc/reconnect.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "libipc/address.h"
+#include "libipc/inbox.h"
+#include "libipc/notify.h"
+#include "libipc/receive.h"
+#include "libipc/registry.h"
+#include "libipc/report.h"
+#include "libipc/subscription.h"
+#include "libipc/wait.h"
+
+#define MILLISECOND ((uint64_t)1000000)
+#define FIRST_PAUSE (100 * MILLISECOND)
+#define LONGEST_PAUSE (2000 * MILLISECOND)
+#define LONGEST_TRY (10000 * MILLISECOND)
+
+#define LOOPBACK "127.0.0.1"
+
+/* --------------------------------------------------------------------- losing */
+
+/* Numbers of the old central mean nothing to the new one, or something else. */
+static void forget_numbers(struct _X_IPC_CONTEXT *context)
+{
+    struct running *running = context->library->running;
+    for (; running != NULL; running = running->outer) {
+        if (running->context == context) {
+            running->dispatch = NO_ID;
+        }
+    }
+    context->connection++;
+    context->active = 0;
+    context->unfinished = 0;
+    context->acknowledged_ns = 0;
+    context->try_first = false;
+    context->broadcasts_known = false;
+    registry_lose(context);
+    subscription_lose(context);
+    inbox_lose(context);
+}
+
+/* The connection that the program knows of has gone. */
+static void leave(struct _X_IPC_CONTEXT *context)
+{
+    context->away = mem_new(sizeof *context->away);
+    context->away->fd = -1;
+    context->away->pause_ns = FIRST_PAUSE;
+    report_note("Closed Connection Detected from: Central Server %s\n\n", context->server_name);
+    notify_connection(context, false);
+}
+
+static void try_later(struct _X_IPC_CONTEXT *context)
+{
+    struct reconnect *away = context->away;
+    away->due_ns = clock_ns() + away->pause_ns;
+    away->pause_ns = 2 * away->pause_ns < LONGEST_PAUSE ? 2 * away->pause_ns : LONGEST_PAUSE;
+    library_changed(context->library);
+}
+
+void reconnect_begin(struct _X_IPC_CONTEXT *context)
+{
+    context->state = CONTEXT_AWAY;
+    context_drop_connection(context);
+    forget_numbers(context);
+    if (context->away == NULL) {
+        leave(context);
+    } else {
+        handshake_fini(&context->away->handshake);
+    }
+    try_later(context);
+}
+
+void reconnect_end(struct _X_IPC_CONTEXT *context)
+{
+    struct reconnect *away = context->away;
+    if (away == NULL) {
+        return;
+    }
+    handshake_fini(&away->handshake);
+    if (away->fd >= 0) {
+        net_close_copy(away->fd);
+    }
+    free(away);
+    context->away = NULL;
+}
+
+/* --------------------------------------------------------------------- trying */
+
+static void begin_handshake(struct _X_IPC_CONTEXT *context, int fd, bool local)
+{
+    struct reconnect *away = context->away;
+    away->fd = -1;
+    context->local = local;
+    context->greeting = 0;
+    context->state = CONTEXT_CONNECTING;
+    link_init(&context->link, fd, FROM_CENTRAL);
+    handshake_init(&away->handshake, context);
+    library_changed(context->library);
+}
+
+/* By Unix socket there is an answer at once, by TCP later. */
+static void begin_try(struct _X_IPC_CONTEXT *context)
+{
+    struct reconnect *away = context->away;
+    const char *host = context->address[0] != '\0' ? context->address : LOOPBACK;
+    char path[NET_PATH_SIZE];
+    int fd;
+    snprintf(path, sizeof path, "%s/%d", NET_SOCKET_DIRECTORY, context->port);
+    if (context->address[0] == '\0' && net_connect_local(path, &fd) == 0) {
+        begin_handshake(context, fd, true);
+    } else if (net_start_tcp(host, context->port, &away->fd) == 0) {
+        away->due_ns = clock_ns() + LONGEST_TRY;
+        library_changed(context->library);
+    } else {
+        away->fd = -1;
+        try_later(context);
+    }
+}
+
+static void look_at_try(struct _X_IPC_CONTEXT *context)
+{
+    struct reconnect *away = context->away;
+    const int result = net_look_at_start(away->fd);
+    if (result == 0) {
+        begin_handshake(context, away->fd, false);
+    } else if (result < 0 || wait_is_over(away->due_ns)) {
+        net_close_copy(away->fd);
+        away->fd = -1;
+        try_later(context);
+    }
+}
+
+static void come_back(struct _X_IPC_CONTEXT *context)
+{
+    reconnect_end(context);
+    report_note("Connected again to: Central Server %s\n\n", context->server_name);
+    notify_connection(context, true);
+    context_connected(context);
+}
+
+/* A loss while it reads or steps has begun the next pause already. */
+static void look_at_handshake(struct _X_IPC_CONTEXT *context)
+{
+    (void)receive(context);
+    if (!context_is_open(context)) {
+        return;
+    }
+    const enum handshake_result result = handshake_step(&context->away->handshake);
+    if (result == HANDSHAKE_DONE) {
+        come_back(context);
+    } else if (result != HANDSHAKE_GOES_ON) {
+        context_lose(context, false);
+    }
+}
+
+static void step(struct _X_IPC_CONTEXT *context)
+{
+    struct reconnect *away = context->away;
+    if (context->state == CONTEXT_AWAY && away->fd < 0 && wait_is_over(away->due_ns)) {
+        begin_try(context);
+    }
+    if (context->state == CONTEXT_AWAY && away->fd >= 0) {
+        look_at_try(context);
+    }
+    if (context->state == CONTEXT_CONNECTING) {
+        look_at_handshake(context);
+    }
+}
+
+void reconnect_turn(struct library *library)
+{
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        struct _X_IPC_CONTEXT *context = context_at(position);
+        if (context->away != NULL) {
+            step(context);
+        }
+    }
+}
+
+uint64_t reconnect_due(const struct library *library)
+{
+    uint64_t due = UINT64_MAX;
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        const struct _X_IPC_CONTEXT *context = context_at(position);
+        if (context->away != NULL) {
+            const uint64_t own = context->state == CONTEXT_CONNECTING
+                                     ? context->away->handshake.deadline_ns
+                                     : context->away->due_ns;
+            due = own < due ? own : due;
+        }
+    }
+    return due;
+}
+
+/* -------------------------------------------------------------------- waiting */
+
+bool reconnect_await(struct _X_IPC_CONTEXT *context)
+{
+    while (context->away != NULL && context->reconnect == IPCX_RECONNECT_WAIT) {
+        wait_turn(context->library, NO_DEADLINE);
+    }
+    return context_is_connected(context);
+}
+
+bool reconnect_again(struct _X_IPC_CONTEXT *context, unsigned connection)
+{
+    return (context->away != NULL || context->connection != connection) &&
+           context->reconnect == IPCX_RECONNECT_WAIT && reconnect_await(context);
+}
+
+/* ------------------------------------------------------------------- settings */
+
+void reconnect_set(struct _X_IPC_CONTEXT *context, IPCX_RECONNECT mode)
+{
+    context->reconnect = mode;
+    if (mode == IPCX_RECONNECT_NEVER && context->away != NULL) {
+        context_close(context, CONTEXT_CLOSED);
+    }
+    library_changed(context->library); /* calls that wait look again */
+}
+
+IPCX_RECONNECT reconnect_default(void)
+{
+    const char *text = getenv("IPC_RECONNECT");
+    if (text == NULL) {
+        return IPCX_RECONNECT_NEVER;
+    }
+    return strcmp(text, "fail") == 0   ? IPCX_RECONNECT_FAIL
+           : strcmp(text, "wait") == 0 ? IPCX_RECONNECT_WAIT
+                                       : IPCX_RECONNECT_NEVER;
+}
