@@ -95,10 +95,10 @@ void log_switched(struct log *log)
 
 void log_flush(struct log *log)
 {
+    log_flush_files(log); /* first, so that what the terminal shows is in the file */
     if (sink_flush(&log->terminal) < 0) {
         log_switched(log); /* the reader has gone: nobody minds */
     }
-    log_flush_files(log);
 }
 
 /* ------------------------------------------------------------ whole lines */
