@@ -97,6 +97,7 @@ def test_27_the_listing(console, line):
     assert not any("-p<port>" in text for text in lines)
 
 
+@pytest.mark.new_central("it answers the first of several lines only")
 def test_28_an_empty_line_brings_the_prompt_only(console):
     console.type("\n")
     assert console.answer("close nobody", "to close") == ["Can not find nobody to close."]

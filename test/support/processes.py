@@ -29,7 +29,7 @@ class Process:
     """
 
     def __init__(self, arguments, *, stdin=subprocess.DEVNULL, env=None, cwd=None,
-                 terminal=False):
+                 terminal=False, pass_fds=()):
         self.arguments = [str(argument) for argument in arguments]
         # The leak checker counts what a module keeps for life, and would change its exit status.
         options = {"ASAN_OPTIONS": "detect_leaks=0"} if stdin == subprocess.PIPE else {}
@@ -39,7 +39,7 @@ class Process:
             tty.setraw(stdout)
         self.process = subprocess.Popen(
             self.arguments, stdin=stdin, stdout=stdout, stderr=subprocess.PIPE,
-            env={**os.environ, **options, **(env or {})}, cwd=cwd)
+            env={**os.environ, **options, **(env or {})}, cwd=cwd, pass_fds=pass_fds)
         if terminal:
             os.close(stdout)
             self.process.stdout = os.fdopen(ours, "rb")
