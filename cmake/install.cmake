@@ -11,6 +11,7 @@ if(TARGET ipc_static)
 endif()
 if(TARGET central)
     install(TARGETS central killCentral killModule RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(FILES ${PROJECT_SOURCE_DIR}/docs/man/central.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
     # The commands find the library of their own prefix, wherever that is.
     file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
     set_target_properties(killCentral killModule PROPERTIES INSTALL_RPATH $ORIGIN/${bin_to_lib})
