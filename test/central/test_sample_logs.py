@@ -45,6 +45,9 @@ class Scene:
 
     @staticmethod
     def listen(*actors):
+        """All process what anyone of them has caused."""
+        for actor in actors:
+            actor.sync()
         for actor in actors:
             actor.listen()
 
