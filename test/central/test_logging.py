@@ -365,6 +365,44 @@ def test_json_holds_any_bytes(start_central, stack, log):
         assert any(f"modName : {name}\n" in text for text in texts), name
 
 
+@pytest.mark.new_central("it stops")
+def test_a_log_file_that_takes_nothing_costs_nobody_anything(start_central, connect, log):
+    """A pipe that is full stands for a disk that takes its time."""
+    os.mkfifo(log.path)
+    reading = os.open(log.path, os.O_RDONLY | os.O_NONBLOCK)
+    central = start_central("-lx", "-LmiN", "-fa.log", cwd=log.path.parent)
+    a, b = traffic(central, connect)
+    count = 3000
+    for number in range(count):
+        a.publish_number("Ping", number)
+        assert b.take_numbers(1) == [number]
+    b.sync()
+    taken = bytearray()
+
+    def has_all():
+        if select.select([reading], [], [], 0.05)[0]:
+            taken.extend(os.read(reading, 1 << 20))
+        return taken.count(b"  Done               Ping:\n") == count + 1
+    wait_until(has_all, "all lines have come")
+    end(central)
+    os.close(reading)
+
+
+@pytest.mark.new_central("it stops")
+def test_a_log_file_that_takes_nothing_does_not_delay_the_end(start_central, connect, log):
+    os.mkfifo(log.path)
+    reading = os.open(log.path, os.O_RDONLY | os.O_NONBLOCK)
+    central = start_central("-lx", "-LmiN", "-fa.log", cwd=log.path.parent)
+    a, b = traffic(central, connect)
+    for number in range(2000):
+        a.publish_number("Ping", number)
+        assert b.take_numbers(1) == [number]
+    central.signal(signal.SIGTERM)
+    assert central.wait() == 0
+    central.stop_quietly()
+    os.close(reading)
+
+
 @pytest.mark.new_central("it waits for a reader")
 def test_a_log_file_may_be_a_pipe(start_central, connect, log):
     os.mkfifo(log.path)
