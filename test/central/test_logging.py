@@ -460,3 +460,29 @@ def test_60_every_line_is_known_to_log_viewers(start_central, connect, log):
     end(central)
     for line in log.lines():
         assert any(re.fullmatch(pattern, line) for pattern in LINES), line
+
+
+# ------------------------------------------------------- with a library that is sent ahead
+
+
+@pytest.mark.new_library("it is not sent ahead")
+@pytest.mark.new_central("it sends nothing ahead")
+def test_data_wanted_too_late_are_not_shown(start_central, start_driver, connect):
+    """What the receiver has already is not in the server any more when its turn has come."""
+    central = start_central("-lx", console=True)
+    receiver = start_driver("RECEIVER").connect(central.address)
+    receiver.must("subscribe", "Ping", 0, "sequence")
+    a = connect(central, "A")
+    a.define("Ping")
+    a.sync()
+    for number in range(1, 9):
+        a.publish_number("Ping", number)
+    a.sync()
+    central.write_line("-lmd")
+    central.wait_for_line("Task Control Server", start=2)
+    receiver.until(8)
+    a.publish_number("Ping", 9)
+    receiver.until(9)
+    a.sync()
+    central.wait_for_line("^    9$")
+    assert sum("Ping: Resource RECEIVER --> RECEIVER" in line for line in central.stdout) == 7
