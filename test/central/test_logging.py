@@ -310,7 +310,7 @@ def test_a_file_of_some_size_is_followed_by_another(start_central, connect, log)
     for name in ("a.log.1", "a.log.2"):
         text = Log(log.path.parent, name).text()
         assert text.startswith("Logging Task Control Server ") and text.endswith("\n")
-        assert 2000 <= len(text) < 4000
+        assert len(text) >= 2000  # what comes while the disk is busy is written as one
 
 
 @pytest.mark.new_central("it writes no JSON")
