@@ -161,6 +161,7 @@ def test_11_v_is_alone_or_unknown(start):
 def test_12_a_name_alone_makes_no_file(start, tmp_path):
     process, at = start("-pPORT", "-u", "-fx.log", cwd=tmp_path)
     at.serves()
+    process.wait_for_line("^Expecting")
     assert process.stdout[0] == "Logging File Name: x.log"
     assert os.listdir(tmp_path) == []
 
@@ -169,12 +170,14 @@ def test_13_names_to_ignore_are_said(start, tmp_path):
     (tmp_path / "ign").write_text("Foo\nBar\n")
     process, at = start("-pPORT", "-u", "-Iign", cwd=tmp_path)
     at.serves()
+    process.wait_for_line("Bar", stream="stderr")
     assert process.stderr == ["Ignore logging of Foo", "Ignore logging of Bar"]
 
 
 def test_14_a_missing_file_of_names_is_said(start):
     process, at = start("-pPORT", "-u", "-I/none")
     at.serves()
+    process.wait_for_line("Could not", stream="stderr")
     assert process.stderr == ["Could not open message ignore file /none"]
 
 
