@@ -162,8 +162,7 @@ def test_58_times_are_those_of_the_place(start_central, connect, zone, hour):
 
 
 @pytest.mark.parametrize("width", range(70, 84))
-def test_59_lines_break_as_they_always_did(start_central, connect, width, pytestconfig,
-                                           original_or_own_rules):
+def test_59_lines_break_as_they_always_did(start_central, connect, width):
     """A value whose text has a width near that of a line: two numbers in a structure."""
     central = start_central("-lmd")
     a, b = connect(central, "A"), connect(central, "B")
@@ -179,31 +178,20 @@ def test_59_lines_break_as_they_always_did(start_central, connect, width, pytest
     start = next(n for n, line in enumerate(central.stdout) if "Text" in line and "Sent" in line
                  and "Broadcast" in line)
     stop = next(n for n, line in enumerate(central.stdout) if "Done" in line and "Text" in line)
-    assert "\n".join(central.stdout[start + 1:stop]) == original_or_own_rules(text)
+    assert "\n".join(central.stdout[start + 1:stop]) == broken(text)
 
 
-@pytest.fixture
-def original_or_own_rules():
-    """The rules of line breaking: tokens, each with room to keep behind it."""
-    def render(text):
-        tokens = [("{", 10), ('"', 1), (text, 1), ('"', 1), (",", 0), (" ", None), ("7", 1),
-                  ("}", 0)]
-        lines, column = ["    "], 4
-        for token, keep in tokens:
-            if keep is None:
-                if column == 80:
-                    lines.append("    ")
-                    column = 4
-                lines[-1] += token
-                column += 1
-            else:
-                if column + len(token) + keep > 80:
-                    lines.append("     ")
-                    column = 5
-                lines[-1] += token
-                column += len(token)
-        return "\n".join(lines)
-    return render
+def broken(text):
+    """A string and a 7 in a structure by the rules: tokens, each with room to keep behind it."""
+    tokens = [("{", 10), ('"', 1), (text, 1), ('"', 1), (",", 0), (" ", None), ("7", 1), ("}", 0)]
+    lines = ["    "]
+    for token, keep in tokens:
+        if keep is None and len(lines[-1]) == 80:
+            lines.append("    ")
+        elif keep is not None and len(lines[-1]) + len(token) + keep > 80:
+            lines.append("     ")
+        lines[-1] += token
+    return "\n".join(lines)
 
 
 @pytest.mark.new_central("it has no end of trying")
