@@ -14,6 +14,7 @@ if(TARGET central)
     install(FILES ${PROJECT_SOURCE_DIR}/src/c/shell/killCentral.1
                   ${PROJECT_SOURCE_DIR}/src/c/shell/killModule.1
         DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+    install(FILES ${PROJECT_SOURCE_DIR}/src/c/central/central.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
     # The commands find the library of their own prefix, wherever that is.
     file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
     set_target_properties(killCentral killModule PROPERTIES INSTALL_RPATH $ORIGIN/${bin_to_lib})

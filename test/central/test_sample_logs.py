@@ -45,6 +45,9 @@ class Scene:
 
     @staticmethod
     def listen(*actors):
+        """All process what anyone of them has caused."""
+        for actor in actors:
+            actor.sync()
         for actor in actors:
             actor.listen()
 
@@ -374,7 +377,7 @@ def dialogue(text):
 
 def without_news(text):
     """The listing of commands without those that the original does not have."""
-    return re.sub(r"^(modules|messages|queues) .*\n|^(Connections|Dropped) *: .*\n", "", text,
+    return re.sub(r"^(modules|messages|queues) .*\n|^(Connections|Per Second|Waiting|Dropped) *: .*\n", "", text,
                   flags=re.MULTILINE)
 
 

@@ -113,22 +113,21 @@ static void handle_message(struct server *server, struct module *module, const s
     }
 }
 
-static void count(struct statistics *statistics, const struct frame *frame)
+static void count(struct statistics *statistics, uint64_t now_ns, const struct frame *frame)
 {
     const uint32_t body = frame->class_length + frame->data_length;
-    if (statistics->n_read == 0 || body < statistics->shortest_body) {
+    if (statistics->read.total.messages == 0 || body < statistics->shortest_body) {
         statistics->shortest_body = body;
     }
     if (body > statistics->longest_body) {
         statistics->longest_body = body;
     }
-    statistics->n_read++;
-    statistics->bytes_read += body;
+    meter_add(&statistics->read, now_ns, body);
 }
 
 static void handle_frame(struct server *server, struct module *module, const struct frame *frame)
 {
-    count(&server->statistics, frame);
+    count(&server->statistics, server->now_ns, frame);
     meter_add(&module->sends, server->now_ns, (uint64_t)frame->class_length + frame->data_length);
     switch (frame->class) {
     case CLASS_REPLY:
@@ -155,13 +154,14 @@ static void handle_frame_timed(struct server *server, struct module *module,
     handle_frame(server, module, frame);
     const uint64_t taken = server->clock() - start;
     statistics->handling_ns += taken;
+    const struct amount *read = &statistics->read.total;
     const struct log_summary summary = {
-        .count = statistics->n_read,
+        .count = read->messages,
         .message_share = share > 100.0 ? 100.0 : share,
         .bytes = bytes,
         .milliseconds = taken / 1000000u,
-        .average_bytes = statistics->bytes_read / statistics->n_read,
-        .average_milliseconds = statistics->handling_ns / 1000000u / statistics->n_read,
+        .average_bytes = read->bytes / read->messages,
+        .average_milliseconds = statistics->handling_ns / 1000000u / read->messages,
     };
     log_summarise(&server->log, &summary);
 }

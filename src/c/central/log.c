@@ -62,8 +62,7 @@ void log_init(struct log *log, struct options *options, int terminal_fd)
 void log_close(struct log *log)
 {
     (void)sink_flush(&log->terminal); /* what a blocked terminal does not take is lost */
-    log_close_file(log, LOG_FILE);
-    log_close_file(log, LOG_JSON);
+    log_end_files(log);
     log->closed = true;
     log_switched(log);
 }
@@ -95,10 +94,10 @@ void log_switched(struct log *log)
 
 void log_flush(struct log *log)
 {
+    log_flush_files(log); /* first, so that what the terminal shows is in the file */
     if (sink_flush(&log->terminal) < 0) {
         log_switched(log); /* the reader has gone: nobody minds */
     }
-    log_flush_files(log);
 }
 
 /* ------------------------------------------------------------ whole lines */

@@ -29,7 +29,8 @@ struct log_file {
 };
 
 struct log {
-    struct options *options; /* holds the switches of both logs */
+    const struct waker *waker; /* told when a file may take more; NULL: nobody is */
+    struct options *options;   /* holds the switches of both logs */
     struct sink terminal;
     struct log_file file;
     struct log_file json;
@@ -65,11 +66,11 @@ int log_open_file(struct log *log, enum which_log which);
 /* Writes what waits and closes the file. */
 void log_close_file(struct log *log, enum which_log which);
 
+/* Closes all files, with more patience: nothing follows. */
+void log_end_files(struct log *log);
+
 /* Starts new files of the same names where the old ones were moved away. */
 void log_reopen_files(struct log *log);
-
-/* Whether a file has not taken all that should be in it by now. */
-bool log_files_are_behind(const struct log *log);
 
 /* Lets leave what the files take, and starts a new one where an old one has its size. */
 void log_flush_files(struct log *log);

@@ -164,8 +164,10 @@ static void put_own_data(struct log *log, struct dispatch *dispatch)
 {
     const struct format_source source = {dispatch->data, dispatch->data_length,
                                          (enum byte_order)dispatch->data_order};
+    /* What was sent ahead before data were wanted has none any more. */
+    const bool has_data = dispatch->data != NULL || dispatch->data_length == 0;
     buffer_clear(&log->value);
-    if (log->data_on) {
+    if (log->data_on && has_data) {
         add_message_value(log, dispatch->message, source);
         put_data(log, dispatch->message);
     }

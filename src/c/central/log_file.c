@@ -15,6 +15,10 @@
 
 enum { NAME_SUFFIX = 16 };
 
+/* How long the server, and how long its end, waits for a disk that takes its time. */
+#define PATIENCE_NS UINT64_C(200000000)
+#define LAST_PATIENCE_NS UINT64_C(1000000000)
+
 bool log_wants_file(const struct log *log, enum which_log which)
 {
     return switches_want_file(log_switches_of(log, which));
@@ -43,8 +47,7 @@ static int open_file(struct log *log, enum which_log which, bool append)
         (void)fprintf(stderr, "ERROR: Can not open file %s.\n\n", file->name);
         return ERR_IO;
     }
-    sink_init(&file->sink, fd);
-    file->sink.left = stream_size(fd);
+    sink_init_file(&file->sink, fd, log->waker);
     file->is_open = true;
     if (file->sink.left == 0 && which == LOG_FILE) {
         write_header(log);
@@ -78,17 +81,26 @@ int log_open_file(struct log *log, enum which_log which)
     return error;
 }
 
-void log_close_file(struct log *log, enum which_log which)
+static void close_file(struct log *log, enum which_log which, uint64_t patience_ns)
 {
     struct log_file *file = log_file_of(log, which);
     if (file->is_open) {
-        (void)sink_flush(&file->sink); /* what a failing file does not take is lost */
-        stream_close(file->sink.fd);
         file->is_open = false;
+        sink_close_file(&file->sink, patience_ns);
     }
-    sink_fini(&file->sink);
-    sink_init(&file->sink, -1);
     log_switched(log);
+}
+
+void log_close_file(struct log *log, enum which_log which)
+{
+    close_file(log, which, PATIENCE_NS);
+}
+
+void log_end_files(struct log *log)
+{
+    for (enum which_log which = LOG_FILE; which <= LOG_JSON; which++) {
+        close_file(log, which, LAST_PATIENCE_NS);
+    }
 }
 
 void log_reopen_files(struct log *log)
@@ -126,32 +138,28 @@ static void age_files(const struct log_file *file, int kept)
 
 static void start_new_file(struct log *log, enum which_log which)
 {
-    log_close_file(log, which);
+    close_file(log, which, 0); /* its thread finishes it */
     age_files(log_file_of(log, which), log->options->kept_files);
     (void)open_file(log, which, false); /* a failure has been said */
 }
 
 /* -------------------------------------------------------------------- writing */
 
-static bool is_behind(const struct log_file *file, const struct log_switches *on)
+/* Whether lines may stay here for a while, so that the file gets many at a time. */
+static bool may_lag(const struct log_file *file, const struct log_switches *on)
 {
-    const bool lazy = !on->flush && sink_waiting(&file->sink) < BUFSIZ;
-    return file->is_open && !lazy && sink_waiting(&file->sink) > 0;
-}
-
-bool log_files_are_behind(const struct log *log)
-{
-    return is_behind(&log->file, &log->options->file) || is_behind(&log->json, &log->options->json);
+    return !on->flush && sink_waiting(&file->sink) < BUFSIZ;
 }
 
 static void flush_file(struct log *log, enum which_log which)
 {
     struct log_file *file = log_file_of(log, which);
     const uint64_t limit = log->options->file_bytes;
-    if (sink_flush(&file->sink) < 0) {
+    const int result = sink_flush(&file->sink);
+    if (result < 0) {
         (void)fprintf(stderr, "ERROR: Can not write file %s.\n", file->name);
         log_close_file(log, which);
-    } else if (limit != 0 && file->sink.left >= limit) {
+    } else if (result == 0 && limit != 0 && file->sink.left >= limit) {
         start_new_file(log, which);
     }
 }
@@ -159,7 +167,8 @@ static void flush_file(struct log *log, enum which_log which)
 void log_flush_files(struct log *log)
 {
     for (enum which_log which = LOG_FILE; which <= LOG_JSON; which++) {
-        if (is_behind(log_file_of(log, which), log_switches_of(log, which))) {
+        const struct log_file *file = log_file_of(log, which);
+        if (file->is_open && !may_lag(file, log_switches_of(log, which))) {
             flush_file(log, which);
         }
     }

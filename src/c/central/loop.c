@@ -39,6 +39,7 @@ int loop_init(struct loop *loop, struct server *server)
         return ERR_IO;
     }
     server->poller = loop->poller;
+    server->log.waker = &loop->waker;
     server->write_news = write_news;
     server->news_context = loop;
     if (poller_add(loop->poller, loop->waker.read_fd, READY_READ, &loop->waker) != 0) {
@@ -55,6 +56,7 @@ void loop_fini(struct loop *loop)
     console_fini(&loop->console);
     loop->server->poller = NULL;
     loop->server->write_news = NULL;
+    log_close(&loop->server->log); /* the threads of its files wake the loop */
     poller_free(loop->poller);
     waker_close(&loop->waker);
 }
@@ -232,8 +234,7 @@ static int64_t time_to_wait(const struct loop *loop, uint64_t until)
     }
     until = earlier(until, listeners_deadline_ns(&loop->listeners));
     until = earlier(until, metrics_server_deadline_ns(&loop->metrics));
-    if ((sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) ||
-        log_files_are_behind(&server->log)) {
+    if (sink_waiting(&server->log.terminal) > 0 && !loop->watches_output) {
         until = earlier(until, server->now_ns + 100 * MS_NS);
     }
     if (until == UINT64_MAX) {

@@ -51,9 +51,9 @@ static void show_messages(const struct server *server, struct buffer *out)
 {
     const struct statistics *statistics = &server->statistics;
     const struct dispatch_pool *dispatches = &server->dispatches;
-    show(out, "messages_total", COUNTER, "Messages that modules have sent.", statistics->n_read);
-    show(out, "message_bytes_total", COUNTER, "Bytes of these, headers not counted.",
-         statistics->bytes_read);
+    const struct amount *read = &statistics->read.total;
+    show(out, "messages_total", COUNTER, "Messages that modules have sent.", read->messages);
+    show(out, "message_bytes_total", COUNTER, "Bytes of these, headers not counted.", read->bytes);
     show(out, "deliveries_total", COUNTER, "Deliveries begun: one for each handler of a message.",
          dispatches->n_begun);
     show(out, "deliveries", GAUGE, "Deliveries that are under way or wait.",

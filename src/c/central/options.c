@@ -444,7 +444,7 @@ static const struct option table[] = {
      "filename to use for logging JSON.\n"
      "     If not specified, name is automatically generated.\n"},
     {'\0', "log-size", "=<bytes>", NULL, USE_ANYWHERE, choose_file_size,
-     "begin a new file, of either kind, when it has this size;\n"
+     "begin a new file, of either kind, when it has at least this size;\n"
      "     the old ones are called <file>.1, <file>.2 and so on - the default is: never\n"},
     {'\0', "log-keep", "=<number>", NULL, USE_ANYWHERE, choose_kept_files,
      "old log files that are kept - the default is: 5\n"},

@@ -20,8 +20,7 @@
 #include "wire/catalogue.h"
 
 struct statistics {
-    uint64_t n_read;     /* frames handled */
-    uint64_t bytes_read; /* their class data and data */
+    struct meter read;   /* frames handled, with their class data and data */
     uint64_t n_dropped;  /* deliveries given up because a queue was full */
     uint64_t n_modules;  /* connections now */
     uint64_t peak_modules;

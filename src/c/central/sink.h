@@ -1,7 +1,9 @@
 /*
  * Where lines of text go: a stream that never makes the server wait.
  *
- * Lines gather in a bounded buffer and leave as far as the stream takes them.
+ * Lines gather in a bounded buffer and leave as far as the stream takes them; a
+ * file takes them in a thread of its own, as nobody can tell whether a disk would
+ * make one wait.
  * When the bound is reached, lines are counted instead of kept, and the next
  * one that finds room is preceded by a note of how many were lost.
  */
@@ -13,9 +15,11 @@
 #include <stdint.h>
 
 #include "base/buffer.h"
+#include "platform/process.h"
 
 struct sink {
     int fd; /* -1: none, text only gathers (tests) */
+    struct stream_writer *writer; /* of a file, NULL: written directly */
     struct buffer waiting;
     size_t start;  /* of what has not left yet */
     size_t limit;  /* bytes that may wait */
@@ -26,7 +30,13 @@ struct sink {
 
 void sink_init(struct sink *sink, int fd);
 
-/* Frees what waits; the descriptor stays the caller's. */
+/* The same for a file, whose descriptor is the sink's own then; told is woken when it may take more. */
+void sink_init_file(struct sink *sink, int fd, const struct waker *told);
+
+/* Closes a file, whose last lines get so much time to leave while somebody waits for them. */
+void sink_close_file(struct sink *sink, uint64_t patience_ns);
+
+/* Frees what waits; the descriptor of what is no file stays the caller's. */
 void sink_fini(struct sink *sink);
 
 /* Adds one line, or part of one, with its end. */

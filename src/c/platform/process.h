@@ -66,6 +66,23 @@ int process_peer_user(int fd, int64_t *user);
 /* Whether the process at the other end of a Unix socket was in a group when it connected. */
 bool process_peer_is_in_group(int fd, int64_t group);
 
+/* ------------------------------------------------------------------- writers */
+
+/* Writes to a file in a thread of its own, so that nobody waits for a slow disk. */
+struct stream_writer;
+
+/* The descriptor is its own then.  told (NULL: nobody) is woken when it has failed, or can take what
+ * it could not.  NULL when there is no thread to be had: the descriptor then stays the caller's. */
+struct stream_writer *stream_writer_open(int fd, const struct waker *told);
+
+/* Hands bytes over, which become its own (malloc): 1, or 0 while it is busy with others or where
+ * there are none, or ERR_IO when it has failed. */
+int stream_writer_give(struct stream_writer *writer, uint8_t *bytes, size_t count);
+
+/* Closes the file when what was given is written; waits for that until clock_ns() reaches
+ * deadline_ns. */
+void stream_writer_close(struct stream_writer *writer, uint64_t deadline_ns);
+
 /* ------------------------------------------------------------------ signals */
 
 /* From here on a request to end (interrupt, terminate) or to reopen files (hang up) does nothing

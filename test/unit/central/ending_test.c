@@ -174,9 +174,9 @@ static void one_connection_is_heard_for_a_bounded_time_only(void **state)
         peer_send(&talker, &frame);
     }
     peer_send(&other, &frame);
-    const uint64_t before = station.server.statistics.n_read;
+    const uint64_t before = station.server.statistics.read.total.messages;
     conversation_turn(&station.server);
-    assert_int_equal(station.server.statistics.n_read - before, 64 + 1);
+    assert_int_equal(station.server.statistics.read.total.messages - before, 64 + 1);
     assert_true(conversation_is_pending(&station.server));
     station_close(&station);
 }
