@@ -6,6 +6,8 @@
 #include "central/backpressure.h"
 #include "central/claim.h"
 #include "central/deliver.h"
+#include "central/drops.h"
+#include "central/ending.h"
 #include "central/watch.h"
 
 /* ------------------------------------------------------------------ may it go */
@@ -69,10 +71,18 @@ static struct dispatch *dispatch_of(struct pending_item *item)
     return item == NULL ? NULL : LIST_OWNER(item, struct dispatch, waiting);
 }
 
-/* Gives up a dispatch that has left its queue because too many wait. */
+/* Gives up a dispatch that is in no queue, and counts it. */
 static void drop(struct server *server, struct dispatch *dispatch)
 {
     server->statistics.n_dropped++;
+    dispatch_free(&server->dispatches, dispatch);
+}
+
+/* Gives up a dispatch because the resource's queue is full. */
+static void drop_for_lack_of_room(struct server *server, struct resource *resource,
+                                  struct dispatch *dispatch)
+{
+    drops_count(server, resource, dispatch);
     dispatch_free(&server->dispatches, dispatch);
 }
 
@@ -83,24 +93,37 @@ static void drop_for_lack_of_memory(struct server *server, struct dispatch *disp
     drop(server, dispatch);
 }
 
-/* Says once per burst that deliveries are given up. */
-static void note_overflow(struct server *server, struct resource *resource)
+/* Whether more would wait than may wait for any resource if so much came; one message may. */
+static bool is_too_much(const struct server *server, const struct pending *queue, size_t messages,
+                        size_t bytes)
 {
-    if (!resource->overflowing) {
-        resource->overflowing = true;
-        log_warning(&server->log, resource->owner,
-                    "the queue of %s is full, its oldest messages are dropped", resource->name);
+    const struct central_limits *limits = &server->options->limits;
+    const size_t count = queue->count + messages;
+    return count > limits->pending_messages ||
+           (queue->bytes + bytes > limits->pending_bytes && count > 1);
+}
+
+/* Whether a full queue gives up what comes rather than what is there. */
+static bool keeps_oldest(const struct resource *resource)
+{
+    return resource->owner->when_full == WHEN_FULL_OLDEST ||
+           resource->owner->when_full == WHEN_FULL_DISCONNECT;
+}
+
+/* A full queue does not take a dispatch. */
+static void turn_away(struct server *server, struct resource *resource, struct dispatch *dispatch)
+{
+    drop_for_lack_of_room(server, resource, dispatch);
+    if (resource->owner->when_full == WHEN_FULL_DISCONNECT) {
+        ending_condemn(server, resource->owner);
     }
 }
 
-/* Gives up the oldest deliveries while more wait than may wait for any resource. */
+/* Gives up the oldest deliveries while too much waits. */
 static void trim(struct server *server, struct resource *resource, struct pending *queue)
 {
-    const struct central_limits *limits = &server->options->limits;
-    while (queue->count > limits->pending_messages ||
-           (queue->bytes > limits->pending_bytes && queue->count > 1)) {
-        note_overflow(server, resource);
-        drop(server, dispatch_of(pending_take_oldest(queue)));
+    while (is_too_much(server, queue, 0, 0)) {
+        drop_for_lack_of_room(server, resource, dispatch_of(pending_take_oldest(queue)));
     }
 }
 
@@ -112,6 +135,10 @@ static bool put_in_queue(struct server *server, struct dispatch *dispatch)
     if (queue == NULL) {
         queue = &resource->pending;
     }
+    if (keeps_oldest(resource) && is_too_much(server, queue, 1, dispatch->data_length)) {
+        turn_away(server, resource, dispatch);
+        return false;
+    }
     dispatch->state = DISPATCH_PENDING;
     dispatch->resource = resource;
     struct dispatch *dropped = dispatch_of(
@@ -121,6 +148,7 @@ static bool put_in_queue(struct server *server, struct dispatch *dispatch)
         log_limited(&server->log, dropped);
         drop(server, dropped);
     }
+    trim(server, resource, queue);
     return has_place;
 }
 
@@ -131,7 +159,6 @@ static void wait_in_queue(struct server *server, struct dispatch *dispatch, stru
         drop_for_lack_of_memory(server, dispatch);
     } else if (put_in_queue(server, dispatch)) {
         log_queued(&server->log, dispatch, resource->name);
-        trim(server, resource, dispatch->waiting.flow->queue);
         backpressure_apply(server, dispatch->sender, resource);
     }
 }
@@ -217,7 +244,6 @@ void flow_adopt(struct server *server, struct message *message, struct handler *
         log_transferred(&server->log, dispatch, handler->resource);
         (void)put_in_queue(server, dispatch); /* a limit may drop it, which has been logged then */
     }
-    trim(server, handler->resource, &handler->resource->pending);
     flow_release(server, handler->resource);
 }
 
@@ -267,7 +293,7 @@ void flow_release(struct server *server, struct resource *resource)
     }
     send_ahead(server, resource);
     if (pending_is_empty(&resource->pending)) {
-        resource->overflowing = false;
+        drops_end_burst(server, resource);
     }
     backpressure_ease(server, resource);
 }
@@ -348,5 +374,6 @@ void flow_clear(struct server *server, struct resource *resource)
     clear_sent(server, &resource->ahead);
     clear_queue(server, &resource->holders_own);
     clear_queue(server, &resource->pending);
+    drops_end_burst(server, resource);
     backpressure_end(server, resource);
 }

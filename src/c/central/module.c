@@ -22,6 +22,7 @@ struct module *module_new(int fd, uint64_t now_ns)
     list_init(&module->in_server);
     list_init(&module->in_state);
     list_init(&module->same_name);
+    list_init(&module->in_condemned);
     list_init(&module->in_input);
     list_init(&module->in_waiting_for);
     list_init(&module->in_flush);

@@ -20,6 +20,7 @@
 #include "base/list.h"
 #include "base/table.h"
 #include "central/resource.h"
+#include "central/when_full.h"
 #include "link/link.h"
 
 enum module_state {
@@ -42,6 +43,7 @@ struct module {
     struct list in_state;  /* of the greeted or the waiting ones, in order of arrival; of the
                               ended ones */
     struct list same_name; /* once introduced */
+    struct list in_condemned; /* of the server: its connection ends soon */
     uint64_t accepted_ns;
     int polled; /* what the poller tells of its socket, READY_READ | READY_WRITE */
     bool in_order;    /* its library has the ability ABILITY_IN_ORDER */
@@ -62,6 +64,7 @@ struct module {
     /* From MODULE_INTRODUCED on. */
     struct resource *own;
     struct list resources; /* own is the first */
+    enum when_full when_full; /* what becomes of its queues then */
     uint64_t finished_ns;  /* when it last reported a delivery finished */
     size_t n_resources;
     struct table handlers;          /* name -> struct handler */

@@ -18,6 +18,7 @@
 #define HIGHEST_PORT 65535
 
 #define LIMIT_PREFIX "--limit-"
+#define WHEN_FULL_PREFIX "--when-full="
 
 /* -------------------------------------------------------------------- texts */
 
@@ -320,6 +321,7 @@ void options_init(struct options *options)
     options->terminal.flush = true;
     options->file.ignore = options->file.flush = true;
     limits_init(&options->limits);
+    full_policies_init(&options->when_full);
     list_init(&options->ignored);
 }
 
@@ -329,6 +331,7 @@ void options_fini(struct options *options)
     LIST_EACH(at, following, &options->ignored) {
         free(LIST_OWNER(at, struct ignored_name, in_options));
     }
+    full_policies_fini(&options->when_full);
     free(options->file_name);
 }
 
@@ -357,6 +360,7 @@ static bool show_only(const char *argument, bool is_first, const char *program,
         options_show_help(output->out, false);
         if (long_form) {
             limits_show_help(output->out);
+            full_policies_show_help(output->out);
         }
         return true;
     }
@@ -379,12 +383,26 @@ static int set_limit(struct options *options, const char *argument,
     }
 }
 
+/* 0, or ERR_RANGE (said on errors). */
+static int choose_when_full(struct options *options, const char *argument,
+                            const struct options_output *output)
+{
+    if (full_policies_set(&options->when_full, argument + strlen(WHEN_FULL_PREFIX)) != 0) {
+        text_append(output->errors, "No such policy in %s (--help lists them)\n", argument);
+        return ERR_RANGE;
+    }
+    return 0;
+}
+
 /* 0, ERR_UNKNOWN (said on errors) or ERR_RANGE (said on errors). */
 static int execute_argument(struct options *options, const char *argument,
                             const struct options_output *output)
 {
     if (strncmp(argument, LIMIT_PREFIX, strlen(LIMIT_PREFIX)) == 0) {
         return set_limit(options, argument, output);
+    }
+    if (strncmp(argument, WHEN_FULL_PREFIX, strlen(WHEN_FULL_PREFIX)) == 0) {
+        return choose_when_full(options, argument, output);
     }
     return argument[0] == '-' ? execute(options, argument, output, false) : 0;
 }

@@ -14,6 +14,7 @@
 #include "base/buffer.h"
 #include "base/list.h"
 #include "central/limits.h"
+#include "central/when_full.h"
 
 /* What one of the two logs shows. */
 struct log_switches {
@@ -47,6 +48,7 @@ struct options {
     char *file_name;     /* owned; NULL: generated */
     struct list ignored; /* of struct ignored_name, in the order given */
     struct central_limits limits;
+    struct full_policies when_full;
 };
 
 void options_init(struct options *options);

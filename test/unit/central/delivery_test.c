@@ -273,8 +273,9 @@ static void a_full_queue_loses_its_oldest_and_says_so_once(void **state)
     (void)station_log(&pair.station);
     publish_all(&pair, "M0 M1 M2 M3 M4 M5 M6");
     const char *text = station_log(&pair.station);
-    const char *warning = strstr(
-        text, "WARNING: R on robot: the queue of R is full, its oldest messages are dropped\n");
+    const char *warning =
+        strstr(text, "WARNING: R on robot: the queue of R is full: M of S is dropped, "
+                     "the newest messages are kept\n");
     assert_non_null(warning);
     assert_null(strstr(warning + 1, "WARNING"));
     assert_int_equal(pair.station.server.statistics.n_dropped, 3);
