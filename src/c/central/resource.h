@@ -61,6 +61,12 @@ static inline bool resource_has_waiting(const struct resource *resource)
     return !pending_is_empty(&resource->pending) || !pending_is_empty(&resource->holders_own);
 }
 
+/* How many deliveries wait for their turn, here or already at the module. */
+static inline size_t resource_count_waiting(const struct resource *resource)
+{
+    return resource->pending.count + resource->n_ahead;
+}
+
 /* The state as the status command names it. */
 const char *resource_state_name(const struct resource *resource);
 

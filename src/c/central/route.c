@@ -52,7 +52,8 @@ static struct handler *choose_handler(const struct server *server, const struct 
         if (flow_is_free(server, handler->resource, sender)) {
             return handler;
         }
-        if (best == NULL || handler->resource->pending.count < best->resource->pending.count) {
+        if (best == NULL ||
+            resource_count_waiting(handler->resource) < resource_count_waiting(best->resource)) {
             best = handler;
         }
     }

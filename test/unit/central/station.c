@@ -40,12 +40,7 @@ void station_close(struct station *station)
 {
     struct list *at, *following;
     LIST_EACH(at, following, &station->peers) {
-        struct peer *peer = LIST_OWNER(at, struct peer, in_station);
-        peer_lose(peer);
-        list_remove(at);
-        module_unref(peer->module);
-        reader_fini(&peer->reader);
-        buffer_fini(&peer->input);
+        peer_leave(LIST_OWNER(at, struct peer, in_station));
     }
     assert_true(list_is_empty(&station->server.modules));
     server_fini(&station->server);
@@ -379,6 +374,15 @@ void peer_lose(struct peer *peer)
     }
     station_run(peer->station);
     assert_true(peer_is_closed(peer));
+}
+
+void peer_leave(struct peer *peer)
+{
+    peer_lose(peer);
+    list_remove(&peer->in_station);
+    module_unref(peer->module);
+    reader_fini(&peer->reader);
+    buffer_fini(&peer->input);
 }
 
 bool peer_is_closed(const struct peer *peer)
