@@ -18,7 +18,6 @@
 #define HIGHEST_PORT 65535
 
 #define LIMIT_PREFIX "--limit-"
-#define WHEN_FULL_PREFIX "--when-full="
 
 /* -------------------------------------------------------------------- texts */
 
@@ -33,9 +32,10 @@ void options_show_version(struct buffer *out)
 
 struct action {
     struct options *options;
-    const char *value; /* behind the letter */
-    const struct options_output *output;
+    const char *value; /* behind the letter or the sign; "" if there is none */
+    bool is_long;      /* spelled out: nothing is passed over in silence */
     bool typed;
+    const struct options_output *output;
 };
 
 /* 0, or ERR_RANGE for a value that cannot be (said on errors). */
@@ -102,20 +102,34 @@ static int name_file(const struct action *action)
 
 static int choose_port(const struct action *action)
 {
-    if (action->typed) {
-        text_append(action->output->out, "The port cannot be changed while running\n");
-        return 0;
-    }
     char *end;
     const long port = strtol(action->value, &end, 10);
-    if (end == action->value) {
+    if (end == action->value && !action->is_long) {
         return 0;
     }
-    if (port < 0 || port > HIGHEST_PORT) {
+    if (port < 0 || port > HIGHEST_PORT || (*end != '\0' && action->is_long)) {
         text_append(action->output->errors, "Illegal port %s\n", action->value);
         return ERR_RANGE;
     }
     action->options->port = (int)port;
+    return 0;
+}
+
+static int read_expected(const char *argument)
+{
+    const long number = strtol(argument, NULL, 10);
+    return number < 1 ? 1 : number > INT_MAX ? INT_MAX : (int)number;
+}
+
+static int choose_expected(const struct action *action)
+{
+    char *end;
+    const long number = strtol(action->value, &end, 10);
+    if (*end != '\0' || number < 1 || number > INT_MAX) {
+        text_append(action->output->errors, "Illegal number of modules %s\n", action->value);
+        return ERR_RANGE;
+    }
+    action->options->expected = (int)number;
     return 0;
 }
 
@@ -140,6 +154,16 @@ static int refuse_commands(const struct action *action)
 static int choose_resending(const struct action *action)
 {
     action->options->resend = true;
+    return 0;
+}
+
+static int choose_when_full(const struct action *action)
+{
+    if (full_policies_set(&action->options->when_full, action->value) != 0) {
+        text_append(action->output->errors, "No such policy: %s (--help lists them)\n",
+                    action->value);
+        return ERR_RANGE;
+    }
     return 0;
 }
 
@@ -208,13 +232,19 @@ static int ignore_messages_of_file(const struct action *action)
 
 static int show_version(const struct action *action)
 {
-    options_show_version(action->output->errors);
+    options_show_version(action->is_long ? action->output->out : action->output->errors);
     return 0;
 }
 
+static void show_all_options(struct buffer *out);
+
 static int show_help(const struct action *action)
 {
-    options_show_help(action->output->out, true);
+    if (action->is_long) {
+        show_all_options(action->output->out);
+    } else {
+        options_show_help(action->output->out, action->typed);
+    }
     return 0;
 }
 
@@ -222,23 +252,33 @@ static int show_help(const struct action *action)
 
 enum option_use {
     USE_ANYWHERE,
-    USE_TYPED_OR_ALONE /* on a command line it has to be the first argument */
+    USE_AT_START,      /* not while the server runs */
+    USE_TYPED_OR_ALONE /* the letter has to be the first argument of a command line */
 };
 
+/*
+ * An option is a letter, with its value behind it, or a word: --word=value, or the
+ * value as the next argument where the value has to be.  Words are what they
+ * seem: where a letter passes over what it does not understand, a word says so.
+ */
 struct option {
-    char letter;
+    char letter;       /* '\0': none */
+    const char *word;  /* NULL: none */
+    const char *value; /* of the word: "" has none, "=<...>" has to be, "[=<...>]" may be */
+    const char *old;   /* how the listing of -h and of typed help begins; NULL: not in it */
     enum option_use use;
-    bool listed_when_typed;
     action_function act;
-    const char *help; /* whole lines, "" for an option that is not listed */
+    const char *help; /* what the listings say, whole lines; NULL: not in them */
 };
 
-/* In the order of the listing.  Its spelling is as old as the program: scripts compare it. */
+/* In the order of the listings.  The spelling of what -h lists is as old as the program: scripts
+ * compare it. */
 static const struct option table[] = {
-    {'v', USE_TYPED_OR_ALONE, true, show_version, " -v: display server version info.\n"},
-    {'h', USE_TYPED_OR_ALONE, true, show_help, ""},
-    {'l', USE_ANYWHERE, true, switch_terminal,
-     " -l: logging onto terminal.\n"
+    {'v', "version", "", "-v", USE_TYPED_OR_ALONE, show_version,
+     "display server version info.\n"},
+    {'h', "help", "", NULL, USE_TYPED_OR_ALONE, show_help, "list the options.\n"},
+    {'l', "log", "[=<letters>]", "-l", USE_ANYWHERE, switch_terminal,
+     "logging onto terminal.\n"
      "     options are: m (message traffic)\n"
      "                  s (status of IPC)\n"
      "                  t (time messages are handled)\n"
@@ -249,30 +289,41 @@ static const struct option table[] = {
      "                  p (log the reference Id of the message's parent)\n"
      "                  x (no logging)\n"
      "     -l is equivalent to -lmstdh; the default is -lmsi\n"},
-    {'L', USE_ANYWHERE, true, switch_file,
-     " -L: logging into file.\n"
+    {'L', "file-log", "[=<letters>]", "-L", USE_ANYWHERE, switch_file,
+     "logging into file.\n"
      "     options are the same as above with the addition of F.\n"
      "                  F (don't flush file after each line)\n"
      "                  n (do not prompt the user for comments)\n"
      "     the default is -Lx\n"},
-    {'f', USE_ANYWHERE, true, name_file,
-     " -f: filename to use for logging.\n"
+    {'f', "log-file", "=<file>", "-f", USE_ANYWHERE, name_file,
+     "filename to use for logging.\n"
      "     If not specified, name is automatically generated.\n"},
-    {'p', USE_ANYWHERE, false, choose_port,
-     " -p<port>: specify the server port - the default port is: 1381\n"},
-    {'c', USE_ANYWHERE, true, choose_direct,
-     " -c: Use direct (not via central) conntections where possible.\n"},
-    {'i', USE_ANYWHERE, true, ignore_message,
-     " -i<msgName>: Ignore logging this message (can occur multiple times).\n"},
-    {'I', USE_ANYWHERE, true, ignore_messages_of_file,
-     " -I<fileName>: File with names of messages to ignore logging.\n"},
-    {'s', USE_ANYWHERE, true, choose_silence,
-     " -s: silent running, don't print anything to stdout.\n"},
-    {'S', USE_ANYWHERE, true, choose_silence, ""},
-    {'u', USE_ANYWHERE, true, refuse_commands, " -u: Don't run the user interface (stdin).\n"},
-    {'r', USE_ANYWHERE, true, choose_resending,
-     " -r: try resending non-completed messages when modules crash\n"},
-    {'d', USE_ANYWHERE, true, do_nothing, ""},
+    {'p', "port", "=<port>", "-p<port>", USE_AT_START, choose_port,
+     "specify the server port - the default port is: 1381\n"},
+    {'c', "direct", "", "-c", USE_ANYWHERE, choose_direct,
+     "Use direct (not via central) conntections where possible.\n"},
+    {'i', "ignore", "=<msgName>", "-i<msgName>", USE_ANYWHERE, ignore_message,
+     "Ignore logging this message (can occur multiple times).\n"},
+    {'I', "ignore-file", "=<fileName>", "-I<fileName>", USE_ANYWHERE, ignore_messages_of_file,
+     "File with names of messages to ignore logging.\n"},
+    {'s', "silent", "", "-s", USE_ANYWHERE, choose_silence,
+     "silent running, don't print anything to stdout.\n"},
+    {'S', NULL, "", NULL, USE_ANYWHERE, choose_silence, NULL},
+    {'u', "no-console", "", "-u", USE_ANYWHERE, refuse_commands,
+     "Don't run the user interface (stdin).\n"},
+    {'r', "resend", "", "-r", USE_ANYWHERE, choose_resending,
+     "try resending non-completed messages when modules crash\n"},
+    {'d', NULL, "", NULL, USE_ANYWHERE, do_nothing, NULL},
+    {'\0', "expected-modules", "=<number>", NULL, USE_AT_START, choose_expected,
+     "modules that have to be there before any may begin;\n"
+     "     an argument that begins with a digit says the same - the default is: 1\n"},
+    {'\0', "when-full", "=[<module>:]<policy>", NULL, USE_ANYWHERE, choose_when_full,
+     "what becomes of a module's queue that is full.\n"
+     "     policies are: wait (senders wait while the module works)\n"
+     "                   newest (the newest messages are kept)\n"
+     "                   oldest (the oldest messages are kept)\n"
+     "                   disconnect (the module's connection ends)\n"
+     "     the default is wait; for modules that connect from then on\n"},
 };
 
 enum { N_OPTIONS = sizeof table / sizeof table[0] };
@@ -280,15 +331,44 @@ enum { N_OPTIONS = sizeof table / sizeof table[0] };
 void options_show_help(struct buffer *out, bool typed)
 {
     for (size_t i = 0; i < N_OPTIONS; i++) {
-        if (!typed || table[i].listed_when_typed) {
-            text_append(out, "%s", table[i].help);
+        const struct option *option = &table[i];
+        if (option->old != NULL && !(typed && option->use == USE_AT_START)) {
+            text_append(out, " %s: %s", option->old, option->help);
         }
     }
 }
 
-static const struct option *find_option(char letter)
+/* The value behind a letter: as behind a word, but without the sign. */
+static void show_value_of_letter(struct buffer *out, const char *value)
+{
+    for (; *value != '\0'; value++) {
+        if (*value != '=') {
+            text_append(out, "%c", *value);
+        }
+    }
+}
+
+/* The listing of --help: all options in all spellings. */
+static void show_all_options(struct buffer *out)
 {
     for (size_t i = 0; i < N_OPTIONS; i++) {
+        const struct option *option = &table[i];
+        if (option->help == NULL) {
+            continue;
+        }
+        if (option->letter != '\0') {
+            text_append(out, " -%c", option->letter);
+            show_value_of_letter(out, option->value);
+            text_append(out, ",");
+        }
+        text_append(out, " --%s%s: %s", option->word, option->value, option->help);
+    }
+    limits_show_help(out);
+}
+
+static const struct option *find_letter(char letter)
+{
+    for (size_t i = 0; i < N_OPTIONS && letter != '\0'; i++) {
         if (table[i].letter == letter) {
             return &table[i];
         }
@@ -296,17 +376,94 @@ static const struct option *find_option(char letter)
     return NULL;
 }
 
-/* 0, ERR_UNKNOWN (said on errors) or what the option's action returns. */
-static int execute(struct options *options, const char *argument,
-                   const struct options_output *output, bool typed)
+static const struct option *find_word(const char *word, size_t length)
 {
-    const struct option *option = argument[1] == '\0' ? NULL : find_option(argument[1]);
-    if (option == NULL || (option->use == USE_TYPED_OR_ALONE && !typed)) {
-        text_append(output->errors, "Ignoring unknown option '%s'\n", argument);
+    for (size_t i = 0; i < N_OPTIONS; i++) {
+        const char *candidate = table[i].word;
+        if (candidate != NULL && strlen(candidate) == length &&
+            memcmp(candidate, word, length) == 0) {
+            return &table[i];
+        }
+    }
+    return NULL;
+}
+
+static bool is_word(const char *argument)
+{
+    return argument[0] == '-' && argument[1] == '-' && argument[2] != '\0';
+}
+
+/* Carries an option out: 0 or what its action returns. */
+static int act(const struct option *option, const struct action *action)
+{
+    if (action->typed && option->use == USE_AT_START) {
+        text_append(action->output->out, "The %s cannot be changed while running\n",
+                    option->word);
+        return 0;
+    }
+    return option->act(action);
+}
+
+static int execute_letter(struct action *action, const char *argument)
+{
+    const struct option *option = find_letter(argument[1]);
+    if (option == NULL || (option->use == USE_TYPED_OR_ALONE && !action->typed)) {
+        text_append(action->output->errors, "Ignoring unknown option '%s'\n", argument);
         return ERR_UNKNOWN;
     }
-    const struct action action = {options, argument + 2, output, typed};
-    return option->act(&action);
+    action->value = argument + 2;
+    return act(option, action);
+}
+
+static int set_limit(struct action *action, const char *argument)
+{
+    if (action->typed) {
+        text_append(action->output->out, "The limits cannot be changed while running\n");
+        return 0;
+    }
+    switch (limits_set(&action->options->limits, argument + strlen(LIMIT_PREFIX))) {
+    case 0:
+        return 0;
+    case ERR_UNKNOWN:
+        text_append(action->output->errors, "No such limit %s (--help lists them)\n", argument);
+        return ERR_RANGE;
+    default:
+        text_append(action->output->errors, "Illegal number in %s\n", argument);
+        return ERR_RANGE;
+    }
+}
+
+/* *next: the argument behind this one, or NULL; it is set to NULL when it was taken as value.
+ * next NULL: nothing can be taken. */
+static int execute_word(struct action *action, const char *argument, const char **next)
+{
+    struct buffer *errors = action->output->errors;
+    if (strncmp(argument, LIMIT_PREFIX, strlen(LIMIT_PREFIX)) == 0) {
+        return set_limit(action, argument);
+    }
+    const char *word = argument + 2;
+    const size_t length = strcspn(word, "=");
+    const struct option *option = find_word(word, length);
+    const bool has_value = word[length] == '=';
+    if (option == NULL) {
+        text_append(errors, "Unknown option %s (--help lists all)\n", argument);
+        return ERR_RANGE;
+    }
+    if (has_value && option->value[0] == '\0') {
+        text_append(errors, "The option --%s takes no value\n", option->word);
+        return ERR_RANGE;
+    }
+    action->is_long = true;
+    action->value = has_value ? word + length + 1 : "";
+    if (option->value[0] == '=' && !has_value && next != NULL && *next != NULL) {
+        action->value = *next;
+        *next = NULL;
+    }
+    if (option->value[0] == '=' && action->value[0] == '\0') {
+        text_append(errors, "The option --%s needs a value\n", option->word);
+        return ERR_RANGE;
+    }
+    return act(option, action);
 }
 
 /* --------------------------------------------------------------- command line */
@@ -340,97 +497,69 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-static int read_expected(const char *argument)
+/* The option of an argument that asks only for a text, or NULL. */
+static const struct option *find_question(const char *argument, bool is_first)
 {
-    const long number = strtol(argument, NULL, 10);
-    return number < 1 ? 1 : number > INT_MAX ? INT_MAX : (int)number;
+    const struct option *option = NULL;
+    if (is_word(argument)) {
+        option = find_word(argument + 2, strlen(argument + 2));
+    } else if (is_first && argument[0] == '-' && strlen(argument) == 2) {
+        option = find_letter(argument[1]);
+    }
+    return option != NULL && option->use == USE_TYPED_OR_ALONE ? option : NULL;
 }
 
-/* Whether an argument asks only for a text, which then has been shown. */
-static bool show_only(const char *argument, bool is_first, const char *program,
+/* Shows the text that the command line asks for, if it asks for one. */
+static bool show_only(struct options *options, int count, char *const *arguments,
                       const struct options_output *output)
 {
-    if (strcmp(argument, "--version") == 0 || (is_first && strcmp(argument, "-v") == 0)) {
-        options_show_version(output->errors);
-        return true;
-    }
-    const bool long_form = strcmp(argument, "--help") == 0;
-    if (long_form || (is_first && strcmp(argument, "-h") == 0)) {
-        text_append(output->out, "%s command line options:\n", program);
-        options_show_help(output->out, false);
-        if (long_form) {
-            limits_show_help(output->out);
-            full_policies_show_help(output->out);
+    for (int i = 1; i < count; i++) {
+        const struct option *option = find_question(arguments[i], i == 1);
+        if (option != NULL) {
+            const struct action action = {options, "", is_word(arguments[i]), false, output};
+            if (option->act == show_help) {
+                text_append(output->out, "%s command line options:\n", arguments[0]);
+            }
+            return option->act(&action) == 0;
         }
-        return true;
     }
     return false;
 }
 
-/* 0, or ERR_RANGE (said on errors). */
-static int set_limit(struct options *options, const char *argument,
-                     const struct options_output *output)
+/* next as for execute_word; 0, or ERR_UNKNOWN or ERR_RANGE (said on errors). */
+static int execute(struct options *options, const char *argument, const char **next,
+                   const struct options_output *output)
 {
-    switch (limits_set(&options->limits, argument + strlen(LIMIT_PREFIX))) {
-    case 0:
-        return 0;
-    case ERR_UNKNOWN:
-        text_append(output->errors, "No such limit %s (--help lists them)\n", argument);
-        return ERR_RANGE;
-    default:
-        text_append(output->errors, "Illegal number in %s\n", argument);
-        return ERR_RANGE;
-    }
-}
-
-/* 0, or ERR_RANGE (said on errors). */
-static int choose_when_full(struct options *options, const char *argument,
-                            const struct options_output *output)
-{
-    if (full_policies_set(&options->when_full, argument + strlen(WHEN_FULL_PREFIX)) != 0) {
-        text_append(output->errors, "No such policy in %s (--help lists them)\n", argument);
-        return ERR_RANGE;
-    }
-    return 0;
-}
-
-/* 0, ERR_UNKNOWN (said on errors) or ERR_RANGE (said on errors). */
-static int execute_argument(struct options *options, const char *argument,
-                            const struct options_output *output)
-{
-    if (strncmp(argument, LIMIT_PREFIX, strlen(LIMIT_PREFIX)) == 0) {
-        return set_limit(options, argument, output);
-    }
-    if (strncmp(argument, WHEN_FULL_PREFIX, strlen(WHEN_FULL_PREFIX)) == 0) {
-        return choose_when_full(options, argument, output);
-    }
-    return argument[0] == '-' ? execute(options, argument, output, false) : 0;
+    struct action action = {options, "", false, next == NULL, output};
+    return is_word(argument) ? execute_word(&action, argument, next)
+                             : execute_letter(&action, argument);
 }
 
 enum options_result options_parse(struct options *options, int count, char *const *arguments,
                                   const struct options_output *output)
 {
+    if (show_only(options, count, arguments, output)) {
+        return OPTIONS_SHOWN;
+    }
+    bool has_number = false;
     for (int i = 1; i < count; i++) {
-        if (show_only(arguments[i], i == 1, arguments[0], output)) {
-            return OPTIONS_SHOWN;
+        const char *argument = arguments[i];
+        const char *next = i + 1 < count ? arguments[i + 1] : NULL;
+        if (is_digit(argument[0]) && !has_number) {
+            options->expected = read_expected(argument);
+            has_number = true;
+        } else if (argument[0] == '-') {
+            const char *before = next;
+            if (execute(options, argument, &next, output) == ERR_RANGE) {
+                return OPTIONS_WRONG;
+            }
+            i += next != before; /* it was the value */
         }
     }
-    for (int i = 1; i < count; i++) {
-        if (is_digit(arguments[i][0])) {
-            options->expected = read_expected(arguments[i]);
-            break;
-        }
-    }
-    enum options_result result = OPTIONS_GO;
-    for (int i = 1; i < count; i++) {
-        if (execute_argument(options, arguments[i], output) == ERR_RANGE) {
-            result = OPTIONS_WRONG;
-        }
-    }
-    return result;
+    return OPTIONS_GO;
 }
 
 int options_type(struct options *options, const char *argument, const struct options_output *output)
 {
-    return execute(options, argument, output, true) == ERR_UNKNOWN ? ERR_UNKNOWN : 0;
+    return execute(options, argument, NULL, output);
 }

@@ -1,9 +1,9 @@
 /*
  * The server's options, from the command line or typed as commands.
  *
- * One table describes every option: its letter, what it does, and its lines in
- * the listing of -h.  An option is one argument; its second character selects
- * the option and the rest is the value.
+ * One table describes every option: its letter and its word, what it does, and
+ * its lines in the listings.  -p1500, --port=1500 and --port 1500 are the same; a
+ * letter has its value in the same argument, and letters are not combined.
  */
 #ifndef IPC_CENTRAL_OPTIONS_H
 #define IPC_CENTRAL_OPTIONS_H
@@ -70,12 +70,12 @@ struct options_output {
 enum options_result options_parse(struct options *options, int count, char *const *arguments,
                                   const struct options_output *output);
 
-/* Executes one option typed while the server runs: 0, or ERR_UNKNOWN (said on errors). */
+/* Executes one option typed while the server runs: 0, or an error that was said on errors. */
 int options_type(struct options *options, const char *argument,
                  const struct options_output *output);
 
-/* Appends the version texts of -v, and the lines of -h below its first one (typed: without those
- * that make no sense any more). */
+/* Appends the version texts of -v, and the lines of -h below its first one, which are as old as the
+ * program (typed: without those that make no sense any more). */
 void options_show_version(struct buffer *out);
 void options_show_help(struct buffer *out, bool typed);
 

@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/table.h"
-#include "central/text.h"
 
 struct choice {
     struct list in_policies;
@@ -80,13 +79,4 @@ enum when_full full_policies_of(const struct full_policies *policies, const char
         }
     }
     return policies->standard;
-}
-
-void full_policies_show_help(struct buffer *out)
-{
-    text_append(out, " --when-full=[<module>:]<policy>: what becomes of a module's queue that is full\n"
-                     "     policies are: wait (senders wait while the module works; default)\n"
-                     "                   newest (the newest messages are kept)\n"
-                     "                   oldest (the oldest messages are kept)\n"
-                     "                   disconnect (the module's connection ends)\n");
 }

@@ -4,7 +4,6 @@
 #ifndef IPC_CENTRAL_WHEN_FULL_H
 #define IPC_CENTRAL_WHEN_FULL_H
 
-#include "base/buffer.h"
 #include "base/list.h"
 
 enum when_full {
@@ -28,8 +27,5 @@ int full_policies_set(struct full_policies *policies, const char *choice);
 
 /* The policy for the queues of modules of that name. */
 enum when_full full_policies_of(const struct full_policies *policies, const char *module);
-
-/* Appends the lines of the listing. */
-void full_policies_show_help(struct buffer *out);
 
 #endif

@@ -96,11 +96,70 @@ static void what_is_unknown_is_said_and_ignored(void **state)
 {
     struct fixture f;
     (void)state;
-    assert_int_equal(parse(&f, "-z -u -v - --what"), OPTIONS_GO);
+    assert_int_equal(parse(&f, "-z -u -v - --"), OPTIONS_GO);
     assert_false(f.options.read_commands);
     assert_text(&f.errors, "Ignoring unknown option '-z'\nIgnoring unknown option '-v'\n"
-                           "Ignoring unknown option '-'\nIgnoring unknown option '--what'\n");
+                           "Ignoring unknown option '-'\nIgnoring unknown option '--'\n");
     close_fixture(&f);
+}
+
+static void words_do_what_letters_do(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "--port=2100 --direct --silent --no-console --resend --log=mt "
+                               "--file-log=dn --log-file=a.log --ignore=Ping "
+                               "--expected-modules=4"),
+                     OPTIONS_GO);
+    assert_int_equal(f.options.port, 2100);
+    assert_int_equal(f.options.expected, 4);
+    assert_true(f.options.direct && f.options.silent && f.options.resend);
+    assert_false(f.options.read_commands);
+    assert_true(f.options.terminal.messages && f.options.terminal.time);
+    assert_false(f.options.terminal.status || f.options.terminal.ignore);
+    assert_true(f.options.file.data);
+    assert_false(f.options.file.messages || f.options.file.comments);
+    assert_string_equal(f.options.file_name, "a.log");
+    assert_false(list_is_empty(&f.options.ignored));
+    close_fixture(&f);
+}
+
+static void a_word_may_have_its_value_in_the_next_argument(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "--port 2100 3 --log --log-file 5.log"), OPTIONS_GO);
+    assert_int_equal(f.options.port, 2100);
+    assert_int_equal(f.options.expected, 3); /* the other numbers are values */
+    assert_string_equal(f.options.file_name, "5.log");
+    assert_true(f.options.terminal.summary); /* the letters of a log stand behind = only */
+    close_fixture(&f);
+}
+
+static void wrong_words_are_refused(void **state)
+{
+    static const struct {
+        const char *line;
+        const char *says;
+    } cases[] = {
+        {"--what", "Unknown option --what (--help lists all)\n"},
+        {"--por=5", "Unknown option --por=5 (--help lists all)\n"},
+        {"--direct=yes", "The option --direct takes no value\n"},
+        {"--port", "The option --port needs a value\n"},
+        {"--log-file= -u", "The option --log-file needs a value\n"},
+        {"--port=5x", "Illegal port 5x\n"},
+        {"--port=x", "Illegal port x\n"},
+        {"--expected-modules=0", "Illegal number of modules 0\n"},
+        {"--expected-modules 3x", "Illegal number of modules 3x\n"},
+        {"--what --that", "Unknown option --what (--help lists all)\n"}, /* one line is enough */
+    };
+    (void)state;
+    for (size_t i = 0; i < N_ELEMENTS(cases); i++) {
+        struct fixture f;
+        assert_int_equal(parse(&f, cases[i].line), OPTIONS_WRONG);
+        assert_text(&f.errors, cases[i].says);
+        close_fixture(&f);
+    }
 }
 
 static void impossible_ports_are_refused(void **state)
@@ -148,15 +207,15 @@ static void policies_of_full_queues_are_chosen_for_all_and_by_module(void **stat
 
 static void wrong_policies_are_refused(void **state)
 {
-    static const char *const lines[] = {"--when-full=", "--when-full=latest", "--when-full=:wait",
+    static const char *const lines[] = {"--when-full=latest", "--when-full=:wait",
                                         "--when-full=Arm:", "--when-full=Arm"};
     (void)state;
     for (size_t i = 0; i < N_ELEMENTS(lines); i++) {
         struct fixture f;
         char expected[100];
         assert_int_equal(parse(&f, lines[i]), OPTIONS_WRONG);
-        (void)snprintf(expected, sizeof expected, "No such policy in %s (--help lists them)\n",
-                       lines[i]);
+        (void)snprintf(expected, sizeof expected, "No such policy: %s (--help lists them)\n",
+                       lines[i] + strlen("--when-full="));
         assert_text(&f.errors, expected);
         close_fixture(&f);
     }
@@ -241,8 +300,11 @@ static void the_listing_and_the_version_are_shown_alone(void **state)
     assert_non_null(strstr((char *)f.out.bytes,
                            "\n --limit-progress-seconds=<number>: senders wait for a receiver that "
                            "finishes nothing - the default is: 0.25\n"));
+    assert_non_null(strstr((char *)f.out.bytes, "\n -p<port>, --port=<port>: specify the server "
+                                                "port - the default port is: 1381\n"));
     close_fixture(&f);
     assert_int_equal(parse(&f, "-p5 --version"), OPTIONS_SHOWN);
+    assert_int_equal(strncmp((char *)f.out.bytes, "Task Control Server 4.", 22), 0);
     close_fixture(&f);
 }
 
@@ -282,6 +344,9 @@ static void typed_options(void **state)
     assert_false(f.options.silent); /* asking for a log ends silence */
     assert_int_equal(options_type(&f.options, "-p99", &output), 0);
     assert_int_equal(f.options.port, 1381);
+    assert_int_equal(options_type(&f.options, "--port", &output), ERR_RANGE);
+    assert_int_equal(options_type(&f.options, "--log=d", &output), 0);
+    assert_true(f.options.terminal.data);
     assert_int_equal(options_type(&f.options, "-fx.log", &output), 0);
     assert_int_equal(options_type(&f.options, "-z", &output), ERR_UNKNOWN);
     assert_text(&f.out, "The port cannot be changed while running\nLogging File Name: x.log\n");
@@ -294,6 +359,9 @@ int main(void)
         cmocka_unit_test(the_defaults),
         cmocka_unit_test(options_are_single_arguments),
         cmocka_unit_test(what_is_unknown_is_said_and_ignored),
+        cmocka_unit_test(words_do_what_letters_do),
+        cmocka_unit_test(a_word_may_have_its_value_in_the_next_argument),
+        cmocka_unit_test(wrong_words_are_refused),
         cmocka_unit_test(impossible_ports_are_refused),
         cmocka_unit_test(limits_are_set_by_name),
         cmocka_unit_test(policies_of_full_queues_are_chosen_for_all_and_by_module),
