@@ -16,7 +16,8 @@ import pytest
 from support import codec, messages
 from support.frame import BROADCAST, FAILURE, Frame, INFORM, QUERY, REPLY, SUCCESS
 from support.peer import Closed, Peer, expect_nothing, reply_number
-from support.processes import Central, Process
+from support.processes import (Central, Process, is_sanitized, memory_of,
+                               processor_time_of)
 from support.waiting import PATIENCE, SLOW, wait_until
 
 pytestmark = pytest.mark.new_central("most of these stop it or end it")
@@ -35,24 +36,6 @@ def central(start_central, start_steady_pair, stack):
 @pytest.fixture
 def bad(join):
     return join("BAD")
-
-
-def memory_of(process):
-    """Resident bytes."""
-    with open(f"/proc/{process.pid}/statm", encoding="ascii") as file:
-        return int(file.read().split()[1]) * resource.getpagesize()
-
-
-def is_sanitized(program):
-    with open(program, "rb") as file:
-        return b"__asan_init" in file.read()
-
-
-def processor_time_of(process):
-    """Seconds that a process has used."""
-    with open(f"/proc/{process.pid}/stat", encoding="ascii") as file:
-        fields = file.read().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def sequence(number, size):
