@@ -209,6 +209,7 @@ static void write_to(struct loop *loop, struct module *module)
     if (!module->deaf && link_flush(&module->link) < 0) {
         module->deaf = true; /* what it has sent before it went is still heard */
     }
+    watch_written(loop->server, module);
     watch_socket(loop, module);
 }
 

@@ -69,7 +69,7 @@ struct module {
     size_t n_resources;
     struct table handlers;          /* name -> struct handler */
     struct list due;                /* subscriptions whose watched variable has a new value */
-    struct list in_due;             /* of the server, while due is not empty */
+    struct list in_due;             /* of the server, when something has been written since */
     struct dispatch *start_request; /* while MODULE_WAITING */
     struct table provides;          /* names; the values mean nothing */
     struct table requires;

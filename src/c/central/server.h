@@ -72,7 +72,7 @@ struct server {
     struct list input;  /* modules with bytes to handle */
     struct list urgent; /* modules to flush first */
     struct list flush;  /* the other modules to flush */
-    struct list due;    /* modules that are due values of watched variables */
+    struct list due;    /* modules to which due values of variables may go now */
     struct list condemned; /* modules whose connections end with the turn */
     struct list ended;  /* modules to let go at the end of the turn */
     struct list crowded; /* resources for which senders wait */

@@ -12,7 +12,8 @@
  *     ability to take in all in order gets every value at once.
  *
  * A subscription that is held back is "due"; nothing else goes to its module
- * before the value, as far as the module takes it.
+ * before the value, as far as the module takes it.  It is looked at again when
+ * its module starts, writes or reports, and not in between: thousands may be due.
  *
  * To a library that takes in all in order a value counts nothing against the
  * capacity.  To others it does, so that what follows waits until it is handled: a
@@ -34,7 +35,15 @@ void watch_handled(struct server *server, struct handler *handler, struct messag
 /* Sends what is due to a module and may go now. */
 void watch_send_due(struct server *server, struct module *module, bool before_others);
 
-/* Sends what is due to any module and may go now; whether anything was. */
+/* Bytes of the module have been written, which may be what a due value waits for. */
+static inline void watch_written(struct server *server, struct module *module)
+{
+    if (!list_is_empty(&module->due) && list_is_empty(&module->in_due)) {
+        list_append(&server->due, &module->in_due);
+    }
+}
+
+/* Sends what may go now because something was written before; whether anything was. */
 bool watch_settle(struct server *server);
 
 /* To be called before anything else is sent to a module. */

@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+"""Measures how a central bears many modules.
+
+    scale.py --build build/release [--modules 10000] [--other-central PATH]
+
+Connects modules that do nothing, as programs of CMU IPC connect, and tells for no
+module, half of them and all of them: resident memory of central for each, the round trip
+between two busy modules, and what a look-up, a connection, a queued message and a
+subscription to a new name cost.  At the end 1,000 more connect at the same moment.
+"""
+
+import argparse
+import contextlib
+import os
+import pathlib
+import resource
+import selectors
+import socket
+import statistics
+import struct
+import sys
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+sys.path.insert(0, str(ROOT / "test"))
+
+from support.peer import Peer  # noqa: E402
+from support.processes import Central, memory_of, processor_time_of  # noqa: E402
+
+
+def raise_descriptors(count):
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if hard != resource.RLIM_INFINITY and hard < count:
+        sys.exit(f"only {hard} descriptors are allowed, {count} are needed")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, count), hard))
+
+
+def median_us(action, count):
+    """Median time of an action in microseconds."""
+    times = []
+    for number in range(count):
+        start = time.perf_counter()
+        action(number)
+        times.append(time.perf_counter() - start)
+    return statistics.median(times) * 1e6
+
+
+class Probe:
+    """A few modules that measure."""
+
+    def __init__(self, central, stack):
+        self.central, self.stack = central, stack
+        self.left, self.right, self.queue = (self.join(name) for name in ("L", "R", "QUEUE"))
+        for peer, name in ((self.left, "to left"), (self.right, "to right")):
+            peer.define(name)
+            peer.subscribe(name, 1)
+            peer.sync()
+        self.queue.define("queued")
+        self.queue.subscribe("queued", 1)
+        self.queue.sync()
+        self.serial = 0
+
+    def join(self, name):
+        return self.stack.enter_context(Peer(self.central, name)).connect()
+
+    def round_trip(self, number):
+        self.left.publish_number("to right", number)
+        assert self.right.take_numbers(1) == [number]
+        self.right.publish_number("to left", number)
+        assert self.left.take_numbers(1) == [number]
+
+    def connect(self, number):
+        with Peer(self.central, f"GUEST {number}") as peer:
+            peer.connect()
+
+    def subscribe_to_new_name(self, _):
+        self.serial += 1
+        name = f"new name {self.serial}"
+        self.left.subscribe(name, 7)
+        self.left.sync()
+        self.left.unsubscribe(name, f"HND-{name}1007")
+        self.left.sync()
+
+    def queued_message(self, count):
+        """Processor time of central for a message that waits and is handled later, in us."""
+        before = processor_time_of(self.central)
+        for number in range(count):
+            self.left.publish_number("queued", number)
+        self.left.sync()
+        assert self.queue.take_numbers(count) == list(range(count))
+        self.queue.sync()
+        return (processor_time_of(self.central) - before) / count * 1e6
+
+    def measure(self, n_modules, base):
+        look_up = median_us(lambda _: self.left.sync(), 2000)
+        row = {"modules": n_modules,
+               "KiB each": (memory_of(self.central) - base) / 1024 / max(1, n_modules),
+               "round trip us": median_us(self.round_trip, 3000),
+               "look-up us": look_up,
+               "connect us": median_us(self.connect, 200),
+               "queued message us": self.queued_message(20000),
+               "new name us": median_us(self.subscribe_to_new_name, 5)}
+        print("  ".join(f"{name} {value:.1f}" if isinstance(value, float) else f"{name} {value}"
+                        for name, value in row.items()), flush=True)
+
+
+def connect_at_once(central, count):
+    """Seconds until so many modules that begin at the same moment are in, and the slowest try."""
+    selector = selectors.DefaultSelector()
+    introduction = None
+    start = time.perf_counter()
+    sockets = []
+    for _ in range(count):
+        connection = socket.socket()
+        connection.setblocking(False)
+        connection.connect_ex(("127.0.0.1", central.port))
+        selector.register(connection, selectors.EVENT_READ, [137])
+        sockets.append(connection)
+    with Peer(central, "PATTERN") as pattern:
+        pattern.read_prelude()
+        identifiers = [pattern.id_of(name) for name in ("x_ipc_newModuleConnectMsg",
+                                                        "x_ipc_waitMsg")]
+    from support import codec
+    from support.frame import QUERY, Frame
+    introduction = (Frame(QUERY, identifiers[0], codec.encode("{string, string}", ("M", "h")),
+                          reference=1).pack() + Frame(QUERY, identifiers[1], reference=2).pack())
+    done = 0
+    while done < count:
+        for key, _ in selector.select(10):
+            data = key.fileobj.recv(4096)
+            if not data:
+                sys.exit("a connection was refused")
+            key.data[0] -= len(data)
+            if key.data[0] == 0 and len(key.data) == 1:
+                key.fileobj.send(introduction)
+                key.data[:] = [28 + 12 + 28 + 4, "introduced"]
+            elif key.data[0] <= 0:
+                selector.unregister(key.fileobj)
+                done += 1
+    seconds = time.perf_counter() - start
+    for connection in sockets:
+        connection.close()
+    return seconds
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--build", default=ROOT / "build" / "release")
+    parser.add_argument("--other-central", help="measure this one instead")
+    parser.add_argument("--modules", type=int, default=10000)
+    options = parser.parse_args()
+    program = options.other_central or pathlib.Path(options.build) / "src/c/central/central"
+    raise_descriptors(options.modules + 1200)
+    with contextlib.ExitStack() as stack:
+        central = stack.enter_context(Central(program, "-lx",
+                                              original=options.other_central is not None))
+        probe = Probe(central, stack)
+        probe.measure(0, memory_of(central))
+        base = memory_of(central)
+        peers = 0
+        for part in (options.modules // 2, options.modules):
+            while peers < part:
+                stack.enter_context(Peer(central, f"IDLE {peers}")).connect_as_original()
+                peers += 1
+            probe.measure(peers, base)
+        print(f"1000 modules at the same moment: {connect_at_once(central, 1000):.2f} s")
+
+
+if __name__ == "__main__":
+    main()
