@@ -11,13 +11,8 @@ subscription to a new name cost.  At the end 1,000 more connect at the same mome
 
 import argparse
 import contextlib
-import os
 import pathlib
-import resource
-import selectors
-import socket
 import statistics
-import struct
 import sys
 import time
 
@@ -25,15 +20,9 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path.insert(0, str(ROOT / "test"))
 
+from support.crowd import connect_at_once, raise_descriptors  # noqa: E402
 from support.peer import Peer  # noqa: E402
 from support.processes import Central, memory_of, processor_time_of  # noqa: E402
-
-
-def raise_descriptors(count):
-    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    if hard != resource.RLIM_INFINITY and hard < count:
-        sys.exit(f"only {hard} descriptors are allowed, {count} are needed")
-    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, count), hard))
 
 
 def median_us(action, count):
@@ -105,45 +94,6 @@ class Probe:
                         for name, value in row.items()), flush=True)
 
 
-def connect_at_once(central, count):
-    """Seconds until so many modules that begin at the same moment are in, and the slowest try."""
-    selector = selectors.DefaultSelector()
-    introduction = None
-    start = time.perf_counter()
-    sockets = []
-    for _ in range(count):
-        connection = socket.socket()
-        connection.setblocking(False)
-        connection.connect_ex(("127.0.0.1", central.port))
-        selector.register(connection, selectors.EVENT_READ, [137])
-        sockets.append(connection)
-    with Peer(central, "PATTERN") as pattern:
-        pattern.read_prelude()
-        identifiers = [pattern.id_of(name) for name in ("x_ipc_newModuleConnectMsg",
-                                                        "x_ipc_waitMsg")]
-    from support import codec
-    from support.frame import QUERY, Frame
-    introduction = (Frame(QUERY, identifiers[0], codec.encode("{string, string}", ("M", "h")),
-                          reference=1).pack() + Frame(QUERY, identifiers[1], reference=2).pack())
-    done = 0
-    while done < count:
-        for key, _ in selector.select(10):
-            data = key.fileobj.recv(4096)
-            if not data:
-                sys.exit("a connection was refused")
-            key.data[0] -= len(data)
-            if key.data[0] == 0 and len(key.data) == 1:
-                key.fileobj.send(introduction)
-                key.data[:] = [28 + 12 + 28 + 4, "introduced"]
-            elif key.data[0] <= 0:
-                selector.unregister(key.fileobj)
-                done += 1
-    seconds = time.perf_counter() - start
-    for connection in sockets:
-        connection.close()
-    return seconds
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", default=ROOT / "build" / "release")
@@ -151,7 +101,8 @@ def main():
     parser.add_argument("--modules", type=int, default=10000)
     options = parser.parse_args()
     program = options.other_central or pathlib.Path(options.build) / "src/c/central/central"
-    raise_descriptors(options.modules + 1200)
+    if not raise_descriptors(options.modules + 1200):
+        sys.exit("not enough descriptors are allowed")
     with contextlib.ExitStack() as stack:
         central = stack.enter_context(Central(program, "-lx",
                                               original=options.other_central is not None))
@@ -164,7 +115,9 @@ def main():
                 stack.enter_context(Peer(central, f"IDLE {peers}")).connect_as_original()
                 peers += 1
             probe.measure(peers, base)
-        print(f"1000 modules at the same moment: {connect_at_once(central, 1000):.2f} s")
+        start = time.perf_counter()
+        connect_at_once(central, 1000, 60)
+        print(f"1000 modules at the same moment: {time.perf_counter() - start:.2f} s")
 
 
 if __name__ == "__main__":

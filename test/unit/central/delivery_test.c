@@ -517,6 +517,26 @@ static void other_libraries_get_nothing_before_they_have_handled_the_newest_list
     close_pair(&pair);
 }
 
+/* Modules that do not listen stay due for ever; a turn is not to go through them all. */
+static void a_module_that_is_due_a_list_costs_a_turn_nothing(void **state)
+{
+    struct pair pair;
+    struct peer lazy;
+    const struct server *server;
+    (void)state;
+    open_pair(&pair, "M");
+    server = &pair.station.server;
+    peer_connect(&pair.station, &lazy, "Lazy");
+    watch(&lazy);
+    subscribe_to_many(&pair.sender, 0, 3);
+    assert_false(list_is_empty(&lazy.module->due));
+    assert_true(list_is_empty(&server->due));
+    publish_all(&pair, "M0");
+    assert_true(list_is_empty(&server->due));
+    expect_all(&pair, "M0");
+    station_close(&pair.station);
+}
+
 static void links_with_a_list_are_flushed_first(void **state)
 {
     struct pair pair;
@@ -688,6 +708,7 @@ int main(void)
         cmocka_unit_test(lists_do_not_wait_behind_a_busy_module_s_deliveries),
         cmocka_unit_test(a_list_goes_before_anything_that_follows_from_the_subscription),
         cmocka_unit_test(other_libraries_get_nothing_before_they_have_handled_the_newest_list),
+        cmocka_unit_test(a_module_that_is_due_a_list_costs_a_turn_nothing),
         cmocka_unit_test(links_with_a_list_are_flushed_first),
         cmocka_unit_test(who_outpaces_a_working_receiver_waits_and_loses_nothing),
         cmocka_unit_test(waiting_begins_at_half_of_the_bytes_too),
