@@ -128,6 +128,7 @@ void ending(struct server *server, struct module *module, enum ending why)
         poller_remove(server->poller, module->link.fd);
     }
     link_fini(&module->link);
+    module_drop_later(module);
     list_append(&server->ended, &module->in_state);
     list_init(&taken);
     take_subscriptions(module, &taken);

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "central/conversation.h"
 #include "central/ending.h"
+#include "central/outbox.h"
 #include "central/watch.h"
 #include "platform/process.h"
 
@@ -23,8 +24,6 @@ enum {
 #define MS_NS UINT64_C(1000000)
 #define ACCEPT_PAUSE_NS (1000 * MS_NS)
 #define LAST_WORDS_NS (1000 * MS_NS)
-
-static void write_news(struct server *server, void *context);
 
 /* ------------------------------------------------------------------ life cycle */
 
@@ -41,8 +40,6 @@ int loop_init(struct loop *loop, struct server *server)
         return ERR_IO;
     }
     server->poller = loop->poller;
-    server->write_news = write_news;
-    server->news_context = loop;
     if (poller_add(loop->poller, loop->waker.read_fd, READY_READ, &loop->waker) != 0) {
         return ERR_IO;
     }
@@ -57,7 +54,6 @@ void loop_fini(struct loop *loop)
     net_close_local(&loop->local);
     console_fini(&loop->console);
     loop->server->poller = NULL;
-    loop->server->write_news = NULL;
     poller_free(loop->poller);
     waker_close(&loop->waker);
 }
@@ -209,7 +205,7 @@ static void write_to(struct loop *loop, struct module *module)
     if (!module->deaf && link_flush(&module->link) < 0) {
         module->deaf = true; /* what it has sent before it went is still heard */
     }
-    watch_written(loop->server, module);
+    watch_look_at(loop->server, module);
     watch_socket(loop, module);
 }
 
@@ -232,14 +228,11 @@ static struct module *take_first(struct list *modules)
     return module;
 }
 
-/*
- * Writes new values of watched variables.  This happens in the middle of handling a
- * frame, so nothing else may follow from it yet: the modules are flushed once more,
- * with all consequences, at the end of the turn.
- */
-static void write_news(struct server *server, void *context)
+/* Writes new values of watched variables, behind which everything else is still held: the modules
+ * are flushed once more with the rest. */
+static void write_news(struct loop *loop)
 {
-    struct loop *loop = context;
+    struct server *server = loop->server;
     do {
         while (!list_is_empty(&server->urgent)) {
             struct module *module = take_first(&server->urgent);
@@ -247,17 +240,18 @@ static void write_news(struct server *server, void *context)
             write_to(loop, module);
         }
     } while (watch_settle(server));
+    outbox_let_go(server);
 }
 
 static void flush_all(struct loop *loop)
 {
     struct server *server = loop->server;
     do {
-        write_news(server, loop);
+        write_news(loop);
         while (!list_is_empty(&server->flush)) {
             flush_module(loop, take_first(&server->flush));
         }
-    } while (!list_is_empty(&server->urgent) || watch_settle(server));
+    } while (server->holding || !list_is_empty(&server->urgent) || watch_settle(server));
 }
 
 /* Lets the logs write, and has the poller tell when a full terminal takes more. */

@@ -55,6 +55,15 @@ void module_introduce(struct module *module, const char *name, const char *host,
     module_enter(module, MODULE_INTRODUCED);
 }
 
+void module_drop_later(struct module *module)
+{
+    if (module->later != NULL) {
+        link_fini(module->later);
+        free(module->later);
+        module->later = NULL;
+    }
+}
+
 struct module *module_ref(struct module *module)
 {
     module->references++;

@@ -37,9 +37,6 @@ struct server {
     uint64_t now_ns; /* monotonic, of this turn */
     uint64_t (*clock)(void);
     struct poller *poller; /* watches the sockets; NULL when there are none */
-    void (*write_news)(struct server *server,
-                       void *context); /* writes urgent links; NULL: nobody can */
-    void *news_context;
 
     struct catalogue catalogue;
     struct format_names *names;
@@ -70,6 +67,7 @@ struct server {
 
     /* Work of this turn. */
     struct list input;  /* modules with bytes to handle */
+    bool holding; /* a watched variable has a new value, behind which everything waits */
     struct list urgent; /* modules to flush first */
     struct list flush;  /* the other modules to flush */
     struct list due;    /* modules to which due values of variables may go now */

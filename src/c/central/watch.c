@@ -55,12 +55,16 @@ void watch_changed(struct server *server, const struct variable *variable)
     struct list *at, *following;
     LIST_EACH(at, following, &watch->subscriptions) {
         struct subscription *subscription = LIST_OWNER(at, struct subscription, in_message);
-        if (may_go(subscription, false)) {
-            list_remove(&subscription->in_due);
+        struct module *module = subscription->handler->module;
+        if (!module->in_order && may_go(subscription, false)) {
             send_value(server, subscription);
         } else {
             set_due(subscription);
+            if (module->in_order) {
+                watch_look_at(server, module); /* once for all changes of this turn */
+            }
         }
+        server->holding = true;
     }
 }
 
@@ -95,8 +99,9 @@ bool watch_settle(struct server *server)
     const uint64_t before = server->dispatches.n_begun;
     struct list *at, *following;
     LIST_EACH(at, following, &server->due) {
+        struct module *module = LIST_OWNER(at, struct module, in_due);
         list_remove(at);
-        watch_send_due(server, LIST_OWNER(at, struct module, in_due), false);
+        watch_send_due(server, module, module->later != NULL);
     }
     return server->dispatches.n_begun != before;
 }

@@ -9,6 +9,7 @@
 
 #include "base/memory.h"
 #include "central/ending.h"
+#include "central/outbox.h"
 #include "central/watch.h"
 
 enum { MAX_ARGUMENTS = 16, GREETING_SIZE = 137 };
@@ -63,6 +64,7 @@ void station_run(struct station *station)
     struct server *server = &station->server;
     do {
         conversation_turn(server);
+        outbox_let_go(server);
         flush(&server->urgent);
         flush(&server->flush);
     } while (conversation_is_pending(server));
@@ -99,7 +101,7 @@ static void take_output(struct peer *peer)
     if (peer->module->state != MODULE_ENDED) {
         assert_int_equal(link_take(&peer->module->link, &peer->input), 0);
         /* What waited for bytes to leave may now go. */
-        watch_written(&peer->station->server, peer->module);
+        watch_look_at(&peer->station->server, peer->module);
         conversation_flushed(&peer->station->server, peer->module);
         station_run(peer->station);
         assert_int_equal(link_take(&peer->module->link, &peer->input), 0);
