@@ -57,6 +57,33 @@ def test_a_connection_is_told_to_nobody_but_those_who_asked(count, start_crowded
         assert not peer.deliveries
 
 
+@pytest.mark.parametrize("ability", ["ipc_x_in_order", None], ids=["ours", "cmu-ipc"])
+def test_new_names_of_many_modules_at_once_cost_one_list_each_and_turn(ability, start_crowded,
+                                                                       stack):
+    """300 modules that watch the list subscribe to three names of their own each; the list with all
+    of them has some 20 KB.  Told at each change it would be 2 GB."""
+    central = start_crowded(300)
+    crowd = [join(stack, central, f"M{number}") for number in range(300)]
+    for peer in crowd:
+        if ability:
+            peer.look_up(ability)
+        peer.subscribe(messages.WATCH_BROADCASTS, 9, messages.WATCH_BROADCASTS)
+        peer.sync()
+    references = []
+    for number, peer in enumerate(crowd):
+        for name in range(3):
+            peer.subscribe(f"message {name} of {number}", name)
+        references.append(peer.start_look_up("x_ipc_waitMsg"))
+    received = 0
+    for peer, reference in zip(crowd, references):
+        peer.finish_look_up(reference)
+        received += sum(len(delivery.frame.data) for delivery in peer.deliveries)
+        if ability:
+            told = peer.deliveries[-1].value(messages.NAME_LIST)[2]
+            assert {f"message {name} of {peer.name[1:]}" for name in range(3)} <= set(told)
+    assert received < 500 << 20
+
+
 def test_every_one_of_many_modules_gets_what_is_published(start_crowded, stack,
                                                           start_steady_pair, record_property):
     """Check 99, and what one module costs: memory, and time of the others."""
