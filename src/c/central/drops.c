@@ -43,12 +43,9 @@ void drops_count(struct server *server, struct resource *resource, const struct 
     loss->count++;
 }
 
-void drops_end_burst(struct server *server, struct resource *resource)
+void drops_tell_end(struct server *server, struct resource *resource)
 {
     struct list *at, *following;
-    if (list_is_empty(&resource->losses)) {
-        return;
-    }
     LIST_EACH(at, following, &resource->losses) {
         struct loss *loss = LIST_OWNER(at, struct loss, in_resource);
         log_warning(&server->log, resource->owner,

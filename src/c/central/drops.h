@@ -13,7 +13,15 @@
 /* Counts a dispatch that the resource's queue is about to lose. */
 void drops_count(struct server *server, struct resource *resource, const struct dispatch *dispatch);
 
-/* The burst, if there is one, is over. */
-void drops_end_burst(struct server *server, struct resource *resource);
+/* The burst is over. */
+void drops_tell_end(struct server *server, struct resource *resource);
+
+/* The same if there is one. */
+static inline void drops_end_burst(struct server *server, struct resource *resource)
+{
+    if (!list_is_empty(&resource->losses)) {
+        drops_tell_end(server, resource);
+    }
+}
 
 #endif

@@ -78,6 +78,13 @@ static void drop(struct server *server, struct dispatch *dispatch)
     dispatch_free(&server->dispatches, dispatch);
 }
 
+/* Gives up a dispatch because of a limit that a module has set. */
+static void drop_for_limit(struct server *server, struct dispatch *dispatch)
+{
+    log_limited(&server->log, dispatch);
+    drop(server, dispatch);
+}
+
 /* Gives up a dispatch because the resource's queue is full. */
 static void drop_for_lack_of_room(struct server *server, struct resource *resource,
                                   struct dispatch *dispatch)
@@ -128,14 +135,15 @@ static void trim(struct server *server, struct resource *resource, struct pendin
 }
 
 /* Puts a dispatch into its resource's queue; false when a limit leaves no place for it. */
-static bool put_in_queue(struct server *server, struct dispatch *dispatch)
+static inline bool put_in_queue(struct server *server, struct dispatch *dispatch)
 {
     struct resource *resource = dispatch->handler->resource;
     struct pending *queue = queue_for(resource, dispatch->sender);
     if (queue == NULL) {
         queue = &resource->pending;
     }
-    if (keeps_oldest(resource) && is_too_much(server, queue, 1, dispatch->data_length)) {
+    const bool is_full = is_too_much(server, queue, 1, dispatch->data_length);
+    if (is_full && keeps_oldest(resource)) {
         turn_away(server, resource, dispatch);
         return false;
     }
@@ -145,10 +153,11 @@ static bool put_in_queue(struct server *server, struct dispatch *dispatch)
         pending_add(queue, &dispatch->message->subject, &dispatch->waiting, dispatch->data_length));
     const bool has_place = dropped != dispatch;
     if (dropped != NULL) {
-        log_limited(&server->log, dropped);
-        drop(server, dropped);
+        drop_for_limit(server, dropped);
     }
-    trim(server, resource, queue);
+    if (is_full) {
+        trim(server, resource, queue);
+    }
     return has_place;
 }
 
@@ -213,9 +222,8 @@ static void trim_waiting(struct server *server, struct message *message, size_t 
     while (message->n_waiting > 0 && (message->n_waiting >= LIMIT_WAITING_QUERIES ||
                                       message->waiting_bytes + bytes > LIMIT_WAITING_BYTES)) {
         struct dispatch *oldest = LIST_OWNER(message->waiting.next, struct dispatch, link);
-        log_limited(&server->log, oldest);
         leave_message(oldest);
-        drop(server, oldest);
+        drop_for_limit(server, oldest);
     }
 }
 
