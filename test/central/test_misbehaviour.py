@@ -4,6 +4,7 @@ Two healthy modules exchange numbered messages all the time; none may be lost.  
 docstrings are rows of the table of provocations ("row") and of the plan of checks ("check").
 """
 import os
+import random
 import resource
 import select
 import socket
@@ -19,6 +20,9 @@ from support.peer import Closed, Peer, expect_nothing, reply_number
 from support.processes import (Central, Process, is_sanitized, memory_of,
                                processor_time_of)
 from support.waiting import PATIENCE, SLOW, wait_until
+
+#: How often what should leave nothing behind is repeated.
+ROUNDS = int(os.environ.get("IPC_TEST_ROUNDS", "2000"))
 
 pytestmark = pytest.mark.new_central("most of these stop it or end it")
 
@@ -194,6 +198,21 @@ def test_malformed_headers_cost_their_own_connection(header, bad):
     assert bad.is_closed()
 
 
+def test_random_strings_cost_their_own_connections(central, central_program):
+    """Check 95: 28 to 500 bytes each; IPC_TEST_SEED sets which."""
+    generator = random.Random(int(os.environ.get("IPC_TEST_SEED", "1")))
+
+    def say_nonsense(count):
+        for _ in range(count):
+            with socket.create_connection(("127.0.0.1", central.port)) as connection:
+                connection.sendall(generator.randbytes(generator.randrange(28, 500)))
+    say_nonsense(ROUNDS // 2)
+    before = memory_of(central)
+    say_nonsense(ROUNDS // 2)
+    if not is_sanitized(central_program):
+        assert memory_of(central) - before < 1 << 20
+
+
 @pytest.mark.parametrize("cls", [SUCCESS, FAILURE, REPLY])
 def test_reports_of_deliveries_that_do_not_exist_count_for_nothing(cls, bad):
     """Row 8."""
@@ -258,7 +277,6 @@ def is_let_in(stack, central, name):
 def test_coming_and_going_leaves_nothing_behind(central, central_program, join):
     """Rows 29 and 30, check 101: connections, bare ones, subscriptions; one that does not listen
     watches."""
-    rounds = int(os.environ.get("IPC_TEST_ROUNDS", "2000"))
     watcher, changing = join("WATCHER"), join("CHANGING")
     watcher.subscribe(messages.WATCH_BROADCASTS, 9, messages.WATCH_BROADCASTS)
     watcher.sync()
@@ -274,9 +292,9 @@ def test_coming_and_going_leaves_nothing_behind(central, central_program, join):
             changing.subscribe("changing", 5)
             changing.unsubscribe("changing", "HND-changing1005")
         changing.sync()
-    come_and_go(rounds)
+    come_and_go(ROUNDS)
     before = memory_of(central)
-    come_and_go(rounds)
+    come_and_go(ROUNDS)
     if not is_sanitized(central_program):  # whose memory is freed late
         assert memory_of(central) - before < 1 << 20
     assert len(watcher.deliveries) <= 1
