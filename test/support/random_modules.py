@@ -2,9 +2,9 @@
 
     random_modules.py PORT COUNT SEED MESSAGE
 
-COUNT of them are there before the first goes, and at most as many later.  Some subscribe to MESSAGE, some publish it, some stop in the
-middle of a frame, none of them ever finishes a delivery.  They go on until standard input ends; then
-the number of modules that were there is printed.
+COUNT of them are there before the first goes, and at most as many later.  Some subscribe to
+MESSAGE, some publish it, some stop in the middle of a frame, none of them ever finishes a delivery.
+They go on until standard input ends; then the number of modules that were there is printed.
 """
 import os
 import random

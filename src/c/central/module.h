@@ -57,7 +57,7 @@ struct module {
     /* Output. */
     struct list in_flush;    /* has bytes that are not flushed yet, or is polled for too much */
     bool urgent;             /* ... among them a new value of a watched variable */
-    struct link *later;      /* frames that are held behind such values (see outbox.h); owned, or NULL */
+    struct link *later;      /* frames held behind such values, see outbox.h; owned, or NULL */
     bool deaf;               /* writing failed: nothing more is queued */
     bool wants_room;         /* its queue waits for unsent bytes to leave */
     uint64_t stuck_since_ns; /* unsent bytes exceed every measure; 0: they do not */

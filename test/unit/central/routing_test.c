@@ -142,7 +142,8 @@ static void close_run(struct run *run)
     }
     (void)station_log(&run->station);
     station_close(&run->station);
-    assert_int_equal(run->station.server.dispatches.n_begun, run->station.server.dispatches.n_ended);
+    const struct dispatch_pool *dispatches = &run->station.server.dispatches;
+    assert_int_equal(dispatches->n_begun, dispatches->n_ended);
 }
 
 /* --------------------------------------------------------------------- events */
