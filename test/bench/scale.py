@@ -4,9 +4,10 @@
     scale.py --build build/release [--modules 10000] [--other-central PATH]
 
 Connects modules that do nothing, as programs of CMU IPC connect, and tells for no
-module, half of them and all of them: resident memory of central for each, the round trip
-between two busy modules, the time of a look-up and of a change of the list of names, and the
-processor time of central for a connection and for a queued message.  At the end 1,000 more connect at the same moment.
+module, half of them and all of them: resident memory of central for each, the round
+trip between two busy modules, the time of a look-up and of a change of the list of
+names, and the processor time of central for a connection and for a queued message.
+At the end 1,000 more connect at the same moment.
 """
 
 import argparse
