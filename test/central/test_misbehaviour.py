@@ -263,7 +263,7 @@ def test_who_finds_no_descriptor_left_costs_nothing(stack, central_program, star
     for number in range(10):
         wait_until(lambda number=number: is_let_in(stack, central, f"LATER{number}"),
                    "a free place is taken")
-    assert central.output().count("no descriptors left") < 30
+    assert central.output().count("no descriptors left") < 200  # the original: millions
 
 
 def is_let_in(stack, central, name):
