@@ -9,6 +9,7 @@ from support import driver as driver_module, processes
 from support.fake_central import FakeCentral
 from support.peer import Peer
 from support.processes import Central, Compiler, Library
+from support.steady_pair import SteadyPair
 from support.waiting import PATIENCE
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -146,6 +147,39 @@ def start_central(stack, central_program, pytestconfig):
 def central(start_central):
     """A running central of its own for each test."""
     return start_central()
+
+
+@pytest.fixture(scope="session")
+def gaps(pytestconfig):
+    """(longest gap, number of messages, test) of the steady pairs: shown at the end."""
+    pytestconfig.ipc_gaps = []
+    return pytestconfig.ipc_gaps
+
+
+@pytest.fixture
+def start_steady_pair(stack, request, gaps):
+    """Starts two modules that exchange numbers through a central until the test is over, and then
+    checks that none was lost; the longest gap is reported."""
+    pairs = []
+
+    def start(central, **options):
+        pairs.append(stack.enter_context(SteadyPair(central, **options)))
+        return pairs[-1]
+    yield start
+    for pair in pairs:
+        count, gap = pair.finish()
+        gaps.append((gap, count, request.node.nodeid))
+        assert count > 0
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    """The longest times that a message of a steady pair took."""
+    gaps_found = getattr(config, "ipc_gaps", None)
+    if gaps_found:
+        count = sum(count for _, count, _ in gaps_found)
+        terminalreporter.write_line(f"steady pairs exchanged {count} messages; longest gaps:")
+        for gap, _, test in sorted(gaps_found, reverse=True)[:5]:
+            terminalreporter.write_line(f"  {gap * 1000:7.1f} ms  {test}")
 
 
 @pytest.fixture

@@ -155,6 +155,25 @@ class Process:
         return f"{os.path.basename(self.arguments[0])} ({self.pid})"
 
 
+def memory_of(process):
+    """Resident bytes."""
+    with open(f"/proc/{process.pid}/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def is_sanitized(program):
+    """Whether a program keeps memory longer than it needs it, among others."""
+    with open(program, "rb") as file:
+        return b"__asan_init" in file.read()
+
+
+def processor_time_of(process):
+    """Seconds that a process has used."""
+    with open(f"/proc/{process.pid}/stat", encoding="ascii") as file:
+        fields = file.read().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def free_port():
     """A port that nobody uses at the moment, and that the kernel gives to nobody by itself."""
     while True:

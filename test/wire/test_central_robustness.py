@@ -1,7 +1,8 @@
 """Whatever one connection sends, central and everybody else go on (section 13).
 
-Every row of 13.1 is sent while two healthy hand-made modules exchange numbered messages; the
-checks of 13.3 decide what becomes of the connection that sent it.
+Every row of 13.1 is sent while two healthy hand-made modules exchange numbered messages, and two
+more in a process of their own do so all the time; the checks of 13.3 decide what becomes of the
+connection that sent it.
 """
 import itertools
 import random
@@ -16,6 +17,7 @@ from support.frame import (BROADCAST, FAILURE, Frame, INFORM, QUERY, REPLY, SUCC
                            class_name)
 from support.peer import Closed, Peer, expect_nothing, reply_number
 from support.processes import Central
+from support.steady_pair import SteadyPair
 from support.waiting import SLOW, TimedOut, wait_until
 
 pytestmark = pytest.mark.new_central("most of these end it")
@@ -52,30 +54,35 @@ class Server:
 
     def __init__(self, start):
         self.start = start
-        self.central = self.pair = None
+        self.central = self.pair = self.steady = None
 
     def running(self):
         if self.central is None or not self.central.alive():
             self.discard()
             self.central = self.start()
             self.pair = HealthyPair(self.central)
+            self.steady = SteadyPair(self.central)
         return self.central
 
     def discard(self):
-        central, pair = self.central, self.pair
-        self.central = self.pair = None
+        central, pair, steady = self.central, self.pair, self.steady
+        self.central = self.pair = self.steady = None
         if pair:
             pair.close()
+        if steady:
+            steady.stop()
         if central:
             central.stop()
 
 
 @pytest.fixture(scope="module")
-def server(central_program, pytestconfig):
+def server(central_program, pytestconfig, gaps):
     """The central that all tests of this file share."""
     shared = Server(lambda: Central(central_program,
                                     original=pytestconfig.ipc_central_is_original))
     yield shared
+    if shared.steady:
+        gaps.append((*shared.steady.finish()[::-1], "the connections that misbehave on the wire"))
     shared.discard()
 
 
@@ -87,11 +94,12 @@ def central(server):
     yield central
     if not central.alive():
         server.pair.close()
-        server.central = server.pair = None
+        server.central = server.pair = server.steady = None
         central.check_sanitizers()
         pytest.fail(f"central ended with {central.wait()}:\n{central.output()[-2000:]}")
     try:
         server.pair.exchange(2)
+        assert server.steady.alive(), server.steady.output()
     except (TimedOut, Closed):
         server.discard()
         raise

@@ -12,7 +12,11 @@ void answer(struct server *server, struct dispatch *request, const void *value);
 /* The same, but the request lives on. */
 void answer_and_keep(struct server *server, struct dispatch *request, const void *value);
 
-/* Answers with bytes that are encoded already, and ends the request. */
+/* Answers with something that can be watched, too, and ends the request: the answer goes before
+ * values that are newer. */
+void answer_state(struct server *server, struct dispatch *request, const void *value);
+
+/* The same with bytes that are encoded already. */
 void answer_encoded(struct server *server, struct dispatch *request, const uint8_t *bytes,
                     size_t length, enum byte_order order);
 

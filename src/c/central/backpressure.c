@@ -20,9 +20,10 @@ static uint64_t end_of_patience(const struct server *server, const struct resour
 
 void backpressure_apply(struct server *server, struct module *sender, struct resource *resource)
 {
-    if (sender == NULL || sender == resource->owner || module_waits(sender) ||
+    if (!is_crowded(server, resource) || resource->owner->when_full != WHEN_FULL_WAIT ||
+        sender == NULL || sender == resource->owner || module_waits(sender) ||
         sender->deaf || sender->input_ended || /* it is about to end, little more can come */
-        !is_crowded(server, resource) || server->now_ns >= end_of_patience(server, resource)) {
+        server->now_ns >= end_of_patience(server, resource)) {
         return;
     }
     list_remove(&sender->in_input);

@@ -5,7 +5,8 @@
  * module goes on finishing deliveries, the senders that fill it are not read;
  * the kernel makes them wait in turn.  For a receiver that has finished nothing
  * for a while nobody waits: it loses its oldest messages (flow.h).  So no two
- * modules can wait for each other for longer than that.
+ * modules can wait for each other for longer than that.  This is the standard
+ * policy; queues with another one (when_full.h) make nobody wait.
  */
 #ifndef IPC_CENTRAL_BACKPRESSURE_H
 #define IPC_CENTRAL_BACKPRESSURE_H

@@ -232,12 +232,13 @@ void conversation_turn(struct server *server)
     LIST_EACH(at, following, &server->input) {
         hear(server, LIST_OWNER(at, struct module, in_input));
     }
+    ending_carry_out(server);
     (void)watch_settle(server); /* what it sends is flushed with the rest */
 }
 
 bool conversation_is_pending(const struct server *server)
 {
-    return !list_is_empty(&server->input);
+    return !list_is_empty(&server->input) || !list_is_empty(&server->condemned);
 }
 
 /* ------------------------------------------------------------------- patience */

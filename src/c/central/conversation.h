@@ -28,7 +28,7 @@ void conversation_end_input(struct server *server, struct module *module);
  * due.  What is to be sent is then in server.urgent and server.flush. */
 void conversation_turn(struct server *server);
 
-/* Whether more of what has come in waits for the next turn. */
+/* Whether work is left for the next turn. */
 bool conversation_is_pending(const struct server *server);
 
 /* Unsent bytes of a module have left, or have not: released what waited for room. */

@@ -41,6 +41,7 @@ static void withdraw(struct server *server, struct module *module)
     list_remove(&module->in_waiting_for);
     list_remove(&module->in_flush);
     list_remove(&module->in_due);
+    list_remove(&module->in_condemned);
     if (module->state == MODULE_GREETED) {
         server->n_greeted--;
     } else {
@@ -132,6 +133,7 @@ void ending(struct server *server, struct module *module, enum ending why)
         poller_remove(server->poller, module->link.fd);
     }
     link_fini(&module->link);
+    module_drop_later(module);
     list_append(&server->ended, &module->in_state);
     list_init(&taken);
     take_subscriptions(module, &taken);
@@ -153,6 +155,21 @@ void ending_for_violation(struct server *server, struct module *module, const ch
     }
     log_warning(&server->log, module, "%s", reason);
     ending(server, module, ENDING_LOSS);
+}
+
+void ending_condemn(struct server *server, struct module *module)
+{
+    if (module->state != MODULE_ENDED && list_is_empty(&module->in_condemned)) {
+        list_append(&server->condemned, &module->in_condemned);
+    }
+}
+
+void ending_carry_out(struct server *server)
+{
+    while (!list_is_empty(&server->condemned)) { /* each may condemn more */
+        ending(server, LIST_OWNER(server->condemned.next, struct module, in_condemned),
+               ENDING_LOSS);
+    }
 }
 
 void ending_sweep(struct server *server)

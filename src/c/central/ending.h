@@ -19,6 +19,13 @@ void ending(struct server *server, struct module *module, enum ending why);
 /* Ends a connection whose peer breaks the protocol; one log line names it and the reason. */
 void ending_for_violation(struct server *server, struct module *module, const char *reason);
 
+/* The connection ends when the frame at hand has been handled: nothing that is just being looked at
+ * goes away. */
+void ending_condemn(struct server *server, struct module *module);
+
+/* Ends the condemned connections. */
+void ending_carry_out(struct server *server);
+
 /* Lets go of the records of connections that have ended. */
 void ending_sweep(struct server *server);
 

@@ -6,6 +6,8 @@
 #include "central/backpressure.h"
 #include "central/claim.h"
 #include "central/deliver.h"
+#include "central/drops.h"
+#include "central/ending.h"
 #include "central/watch.h"
 
 /* ------------------------------------------------------------------ may it go */
@@ -69,52 +71,85 @@ static struct dispatch *dispatch_of(struct pending_item *item)
     return item == NULL ? NULL : LIST_OWNER(item, struct dispatch, waiting);
 }
 
-/* Gives up a dispatch that has left its queue because too many wait. */
-static void drop(struct server *server, struct dispatch *dispatch)
+/* Gives up a dispatch that is in no queue, and counts it; resource NULL: it waited for none. */
+static void drop(struct server *server, struct resource *resource, struct dispatch *dispatch)
 {
     server->statistics.n_dropped++;
     dispatch->message->dropped++;
-    if (dispatch->resource != NULL) {
-        dispatch->resource->dropped++;
+    if (resource != NULL) {
+        resource->dropped++;
     }
     dispatch_free(&server->dispatches, dispatch);
+}
+
+/* Gives up a dispatch because of a limit that a module has set. */
+static void drop_for_limit(struct server *server, struct dispatch *dispatch)
+{
+    log_limited(&server->log, dispatch);
+    drop(server, dispatch->resource, dispatch);
+}
+
+/* Gives up a dispatch because the resource's queue is full. */
+static void drop_for_lack_of_room(struct server *server, struct resource *resource,
+                                  struct dispatch *dispatch)
+{
+    drops_count(server, resource, dispatch);
+    drop(server, resource, dispatch);
 }
 
 static void drop_for_lack_of_memory(struct server *server, struct dispatch *dispatch)
 {
     log_status(&server->log, "WARNING: no memory to keep %s of %s\n", dispatch->message->name,
                dispatch_sender_name(dispatch));
-    drop(server, dispatch);
+    drop(server, dispatch->resource, dispatch);
 }
 
-/* Says once per burst that deliveries are given up. */
-static void note_overflow(struct server *server, struct resource *resource)
+/* Whether more would wait than may wait for any resource if so much came; one message may. */
+static bool is_too_much(const struct server *server, const struct pending *queue, size_t messages,
+                        size_t bytes)
 {
-    if (!resource->overflowing) {
-        resource->overflowing = true;
-        log_warning(&server->log, resource->owner,
-                    "the queue of %s is full, its oldest messages are dropped", resource->name);
+    const struct central_limits *limits = &server->options->limits;
+    const size_t count = queue->count + messages;
+    return count > limits->pending_messages ||
+           (queue->bytes + bytes > limits->pending_bytes && count > 1);
+}
+
+/* Whether a full queue gives up what comes rather than what is there. */
+static bool keeps_oldest(const struct resource *resource)
+{
+    return resource->owner->when_full == WHEN_FULL_OLDEST ||
+           resource->owner->when_full == WHEN_FULL_DISCONNECT;
+}
+
+/* A full queue does not take a dispatch. */
+static void turn_away(struct server *server, struct resource *resource, struct dispatch *dispatch)
+{
+    drop_for_lack_of_room(server, resource, dispatch);
+    if (resource->owner->when_full == WHEN_FULL_DISCONNECT) {
+        ending_condemn(server, resource->owner);
     }
 }
 
-/* Gives up the oldest deliveries while more wait than may wait for any resource. */
+/* Gives up the oldest deliveries while too much waits. */
 static void trim(struct server *server, struct resource *resource, struct pending *queue)
 {
-    const struct central_limits *limits = &server->options->limits;
-    while (queue->count > limits->pending_messages ||
-           (queue->bytes > limits->pending_bytes && queue->count > 1)) {
-        note_overflow(server, resource);
-        drop(server, dispatch_of(pending_take_oldest(queue)));
+    while (is_too_much(server, queue, 0, 0)) {
+        drop_for_lack_of_room(server, resource, dispatch_of(pending_take_oldest(queue)));
     }
 }
 
 /* Puts a dispatch into its resource's queue; false when a limit leaves no place for it. */
-static bool put_in_queue(struct server *server, struct dispatch *dispatch)
+static inline bool put_in_queue(struct server *server, struct dispatch *dispatch)
 {
     struct resource *resource = dispatch->handler->resource;
     struct pending *queue = queue_for(resource, dispatch->sender);
     if (queue == NULL) {
         queue = &resource->pending;
+    }
+    const bool is_full = is_too_much(server, queue, 1, dispatch->data_length);
+    if (is_full && keeps_oldest(resource)) {
+        turn_away(server, resource, dispatch);
+        return false;
     }
     dispatch->state = DISPATCH_PENDING;
     dispatch->resource = resource;
@@ -122,8 +157,10 @@ static bool put_in_queue(struct server *server, struct dispatch *dispatch)
         pending_add(queue, &dispatch->message->subject, &dispatch->waiting, dispatch->data_length));
     const bool has_place = dropped != dispatch;
     if (dropped != NULL) {
-        log_limited(&server->log, dropped);
-        drop(server, dropped);
+        drop_for_limit(server, dropped);
+    }
+    if (is_full) {
+        trim(server, resource, queue);
     }
     return has_place;
 }
@@ -135,7 +172,6 @@ static void wait_in_queue(struct server *server, struct dispatch *dispatch, stru
         drop_for_lack_of_memory(server, dispatch);
     } else if (put_in_queue(server, dispatch)) {
         log_queued(&server->log, dispatch, resource->name);
-        trim(server, resource, dispatch->waiting.flow->queue);
         backpressure_apply(server, dispatch->sender, resource);
     }
 }
@@ -190,9 +226,8 @@ static void trim_waiting(struct server *server, struct message *message, size_t 
     while (message->n_waiting > 0 && (message->n_waiting >= LIMIT_WAITING_QUERIES ||
                                       message->waiting_bytes + bytes > LIMIT_WAITING_BYTES)) {
         struct dispatch *oldest = LIST_OWNER(message->waiting.next, struct dispatch, link);
-        log_limited(&server->log, oldest);
         leave_message(oldest);
-        drop(server, oldest);
+        drop_for_limit(server, oldest);
     }
 }
 
@@ -239,7 +274,6 @@ void flow_adopt(struct server *server, struct message *message, struct handler *
         log_transferred(&server->log, dispatch, handler->resource);
         (void)put_in_queue(server, dispatch); /* a limit may drop it, which has been logged then */
     }
-    trim(server, handler->resource, &handler->resource->pending);
     flow_release(server, handler->resource);
 }
 
@@ -289,7 +323,7 @@ void flow_release(struct server *server, struct resource *resource)
     }
     send_ahead(server, resource);
     if (pending_is_empty(&resource->pending)) {
-        resource->overflowing = false;
+        drops_end_burst(server, resource);
     }
     backpressure_ease(server, resource);
 }
@@ -393,5 +427,6 @@ void flow_clear(struct server *server, struct resource *resource, struct list *l
     clear_sent(server, &resource->ahead, lost);
     clear_queue(server, &resource->holders_own, lost);
     clear_queue(server, &resource->pending, lost);
+    drops_end_burst(server, resource);
     backpressure_end(server, resource);
 }

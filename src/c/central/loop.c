@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "central/conversation.h"
 #include "central/ending.h"
+#include "central/outbox.h"
 #include "central/resend.h"
 #include "central/watch.h"
 #include "platform/process.h"
@@ -20,8 +21,6 @@ enum {
 
 #define MS_NS UINT64_C(1000000)
 #define LAST_WORDS_NS (1000 * MS_NS)
-
-static void write_news(struct server *server, void *context);
 
 /* ------------------------------------------------------------------ life cycle */
 
@@ -40,8 +39,6 @@ int loop_init(struct loop *loop, struct server *server)
     }
     server->poller = loop->poller;
     server->log.waker = &loop->waker;
-    server->write_news = write_news;
-    server->news_context = loop;
     if (poller_add(loop->poller, loop->waker.read_fd, READY_READ, &loop->waker) != 0) {
         return ERR_IO;
     }
@@ -55,7 +52,6 @@ void loop_fini(struct loop *loop)
     listeners_fini(&loop->listeners);
     console_fini(&loop->console);
     loop->server->poller = NULL;
-    loop->server->write_news = NULL;
     log_close(&loop->server->log); /* the threads of its files wake the loop */
     poller_free(loop->poller);
     waker_close(&loop->waker);
@@ -132,6 +128,7 @@ static void write_to(struct loop *loop, struct module *module)
     if (!module->deaf && link_flush(&module->link) < 0) {
         module->deaf = true; /* what it has sent before it went is still heard */
     }
+    watch_look_at(loop->server, module);
     watch_socket(loop, module);
 }
 
@@ -154,14 +151,11 @@ static struct module *take_first(struct list *modules)
     return module;
 }
 
-/*
- * Writes new values of watched variables.  This happens in the middle of handling a
- * frame, so nothing else may follow from it yet: the modules are flushed once more,
- * with all consequences, at the end of the turn.
- */
-static void write_news(struct server *server, void *context)
+/* Writes new values of watched variables, behind which everything else is still held: the modules
+ * are flushed once more with the rest. */
+static void write_news(struct loop *loop)
 {
-    struct loop *loop = context;
+    struct server *server = loop->server;
     do {
         while (!list_is_empty(&server->urgent)) {
             struct module *module = take_first(&server->urgent);
@@ -169,17 +163,18 @@ static void write_news(struct server *server, void *context)
             write_to(loop, module);
         }
     } while (watch_settle(server));
+    outbox_let_go(server);
 }
 
 static void flush_all(struct loop *loop)
 {
     struct server *server = loop->server;
     do {
-        write_news(server, loop);
+        write_news(loop);
         while (!list_is_empty(&server->flush)) {
             flush_module(loop, take_first(&server->flush));
         }
-    } while (!list_is_empty(&server->urgent) || watch_settle(server));
+    } while (server->holding || !list_is_empty(&server->urgent) || watch_settle(server));
 }
 
 /* Lets the logs write, and has the poller tell when a full terminal takes more. */

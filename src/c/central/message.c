@@ -25,6 +25,7 @@ static void message_free(struct message *message)
     format_unref(message->content);
     free(message->wire_text);
     free(message->content_text);
+    free(message->definer);
     free(message->label);
     free(message->name);
     free(message);
@@ -114,6 +115,8 @@ void message_define(struct message_registry *registry, struct message *message, 
     set_name(message, name);
     set_texts(message, texts->wire, texts->content);
     message->class = texts->class;
+    free(message->definer);
+    message->definer = mem_copy_string(texts->definer);
 }
 
 static struct format *optional_ref(struct format *format)
@@ -134,8 +137,7 @@ void message_define_internal(struct message_registry *registry, struct message *
     message->parsed = true;
 }
 
-/* The format of a text, in whatever notation; the bad one if it is illegal. */
-static struct format *parse(const char *text, const struct format_names *names)
+struct format *message_parse_text(const char *text, const struct format_names *names)
 {
     struct format *format = NULL;
     if (text == NULL || text[0] == '\0') {
@@ -156,8 +158,8 @@ int message_parse(struct message *message, const struct format_names *names)
     }
     format_unref(message->wire);
     format_unref(message->content);
-    message->wire = parse(message->wire_text, names);
-    message->content = parse(message->content_text, names);
+    message->wire = message_parse_text(message->wire_text, names);
+    message->content = message_parse_text(message->content_text, names);
     message->parsed = !format_is_bad(message->wire) && !format_is_bad(message->content);
     return message->parsed ? 0 : ERR_FORMAT;
 }

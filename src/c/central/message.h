@@ -43,6 +43,7 @@ struct message {
     enum library_message service; /* of services and notices */
     struct variable *variable;    /* of MESSAGE_SET to MESSAGE_WATCH */
 
+    char *definer;   /* owned; the module that has defined it last, as the log names it */
     char *wire_text; /* owned, NULL: none */
     char *content_text;
     struct format *wire;    /* of the frame's data; references */
@@ -100,6 +101,7 @@ static inline struct message *message_by_id(const struct message_registry *regis
 }
 
 struct message_definition_texts {
+    const char *definer;
     int class;
     const char *wire; /* NULL: none */
     const char *content;
@@ -114,6 +116,10 @@ void message_define(struct message_registry *registry, struct message *message, 
 void message_define_internal(struct message_registry *registry, struct message *message,
                              enum message_kind kind, int class, struct format *wire,
                              struct format *content);
+
+/* The format of a text, in whatever notation: a reference, NULL for none, the bad one if it is
+ * illegal. */
+struct format *message_parse_text(const char *text, const struct format_names *names);
 
 /* Parses the formats unless that is done: 0, or ERR_FORMAT when one is bad now (it is then tried
  * again the next time). */

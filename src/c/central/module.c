@@ -22,6 +22,7 @@ struct module *module_new(int fd, uint64_t now_ns)
     list_init(&module->in_server);
     list_init(&module->in_state);
     list_init(&module->same_name);
+    list_init(&module->in_condemned);
     list_init(&module->in_input);
     list_init(&module->in_waiting_for);
     list_init(&module->in_flush);
@@ -52,6 +53,15 @@ void module_introduce(struct module *module, const char *name, const char *host,
     list_append(&module->resources, &module->own->in_owner);
     module->n_resources = 1;
     module_enter(module, MODULE_INTRODUCED);
+}
+
+void module_drop_later(struct module *module)
+{
+    if (module->later != NULL) {
+        link_fini(module->later);
+        free(module->later);
+        module->later = NULL;
+    }
 }
 
 struct module *module_ref(struct module *module)

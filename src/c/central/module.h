@@ -21,6 +21,7 @@
 #include "base/table.h"
 #include "central/meter.h"
 #include "central/resource.h"
+#include "central/when_full.h"
 #include "link/link.h"
 
 enum module_state {
@@ -43,6 +44,7 @@ struct module {
     struct list in_state;  /* of the greeted or the waiting ones, in order of arrival; of the
                               ended ones */
     struct list same_name; /* once introduced */
+    struct list in_condemned; /* of the server: its connection ends soon */
     uint64_t accepted_ns;
     int polled; /* what the poller tells of its socket, READY_READ | READY_WRITE */
     bool in_order;    /* its library has the ability ABILITY_IN_ORDER */
@@ -60,6 +62,7 @@ struct module {
     /* Output. */
     struct list in_flush;    /* has bytes that are not flushed yet, or is polled for too much */
     bool urgent;             /* ... among them a new value of a watched variable */
+    struct link *later;      /* frames held behind such values, see outbox.h; owned, or NULL */
     bool deaf;               /* writing failed: nothing more is queued */
     bool wants_room;         /* its queue waits for unsent bytes to leave */
     uint64_t stuck_since_ns; /* unsent bytes exceed every measure; 0: they do not */
@@ -67,11 +70,12 @@ struct module {
     /* From MODULE_INTRODUCED on. */
     struct resource *own;
     struct list resources; /* own is the first */
+    enum when_full when_full; /* what becomes of its queues then */
     uint64_t finished_ns;  /* when it last reported a delivery finished */
     size_t n_resources;
     struct table handlers;          /* name -> struct handler */
     struct list due;                /* subscriptions whose watched variable has a new value */
-    struct list in_due;             /* of the server, while due is not empty */
+    struct list in_due;             /* of the server, when something has been written since */
     struct dispatch *start_request; /* while MODULE_WAITING */
     struct table provides;          /* names; the values mean nothing */
     struct table requires;
@@ -94,6 +98,9 @@ void module_enter(struct module *module, enum module_state state);
 /* Gives the connection its name, and its own resource. */
 void module_introduce(struct module *module, const char *name, const char *host,
                       struct pending_pool *pool);
+
+/* Drops the frames that are held. */
+void module_drop_later(struct module *module);
 
 struct module *module_ref(struct module *module);
 

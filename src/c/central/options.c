@@ -217,6 +217,16 @@ static int choose_resending(const struct action *action)
     return 0;
 }
 
+static int choose_when_full(const struct action *action)
+{
+    if (full_policies_set(&action->options->when_full, action->value) != 0) {
+        text_append(action->output->errors, "No such policy: %s (--help lists them)\n",
+                    action->value);
+        return ERR_RANGE;
+    }
+    return 0;
+}
+
 static int do_nothing(const struct action *action)
 {
     (void)action;
@@ -485,6 +495,13 @@ static const struct option table[] = {
     {'\0', "metrics", "=<address>", NULL, USE_AT_START, choose_metrics,
      "show numbers to Prometheus at <port> (of this machine only),\n"
      "     <host>:<port> or the Unix socket </path>\n"},
+    {'\0', "when-full", "=[<module>:]<policy>", NULL, USE_ANYWHERE, choose_when_full,
+     "what becomes of a module's queue that is full.\n"
+     "     policies are: wait (senders wait while the module works)\n"
+     "                   newest (the newest messages are kept)\n"
+     "                   oldest (the oldest messages are kept)\n"
+     "                   disconnect (the module's connection ends)\n"
+     "     the default is wait; for modules that connect from then on\n"},
 };
 
 enum { N_OPTIONS = sizeof table / sizeof table[0] };
@@ -641,6 +658,7 @@ void options_init(struct options *options)
     options->file.ignore = options->file.flush = true;
     options->json.ignore = options->json.flush = true;
     limits_init(&options->limits);
+    full_policies_init(&options->when_full);
     list_init(&options->ignored);
 }
 
@@ -650,6 +668,7 @@ void options_fini(struct options *options)
     LIST_EACH(at, following, &options->ignored) {
         free(LIST_OWNER(at, struct ignored_name, in_options));
     }
+    full_policies_fini(&options->when_full);
     free(options->file_name);
     free(options->address);
     free(options->allow_file);

@@ -15,6 +15,7 @@
 #include "base/buffer.h"
 #include "base/list.h"
 #include "central/limits.h"
+#include "central/when_full.h"
 
 /* What one of the logs shows. */
 struct log_switches {
@@ -55,6 +56,7 @@ struct options {
     int kept_files;      /* older ones that stay */
     struct list ignored; /* of struct ignored_name, in the order given */
     struct central_limits limits;
+    struct full_policies when_full;
 
     /* Who may connect, and how; all texts are owned. */
     char *address;   /* of the TCP socket; NULL: all */

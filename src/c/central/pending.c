@@ -100,14 +100,40 @@ static void join_run(struct place *place, struct run *run)
     list_append(&run->places, &place->in_run);
 }
 
+static struct place *last_place(const struct pending_flow *flow)
+{
+    return LIST_OWNER(flow->places.previous, struct place, in_flow);
+}
+
+/* The link before which a place at the end of that run belongs in its flow: places of the flow
+ * stand behind the run only if its priority has been raised since they were added. */
+static struct list *position_in_flow(struct pending_flow *flow, const struct run *run)
+{
+    struct list *at, *inner;
+    if (list_is_empty(&flow->places) || last_place(flow)->run == run) {
+        return &flow->places;
+    }
+    for (at = run->in_queue.next; at != &flow->queue->runs; at = at->next) {
+        struct run *behind = LIST_OWNER(at, struct run, in_queue);
+        for (inner = behind->places.next; inner != &behind->places; inner = inner->next) {
+            struct place *place = LIST_OWNER(inner, struct place, in_run);
+            if (place->flow == flow) {
+                return &place->in_flow;
+            }
+        }
+    }
+    return &flow->places;
+}
+
 static void add_place(struct pending_flow *flow)
 {
     struct pending *queue = flow->queue;
     struct place *place = pool_take(&queue->pool->places);
     const int priority = flow->subject->priority;
     place->flow = flow;
-    join_run(place, run_before(queue, find_lower(queue, priority), priority));
-    list_append(&flow->places, &place->in_flow);
+    struct run *run = run_before(queue, find_lower(queue, priority), priority);
+    list_insert(position_in_flow(flow, run), &place->in_flow);
+    join_run(place, run);
 }
 
 /* ------------------------------------------------------------------ subjects */

@@ -22,6 +22,8 @@ struct resource *resource_new(const char *name, struct module *owner, int capaci
     list_init(&resource->claims);
     list_init(&resource->waited_for_by);
     list_init(&resource->in_crowded);
+    list_init(&resource->losses);
+    intmap_init(&resource->lost);
     pending_init(&resource->pending, pool);
     pending_init(&resource->holders_own, pool);
     return resource;
@@ -31,6 +33,7 @@ void resource_free(struct resource *resource)
 {
     pending_fini(&resource->pending);
     pending_fini(&resource->holders_own);
+    intmap_fini(&resource->lost);
     free(resource->name);
     free(resource);
 }

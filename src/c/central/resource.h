@@ -34,7 +34,8 @@ struct resource {
     bool limited;       /* a limit has been set, so what waits may have to be dropped */
     struct pending pending;
     uint64_t dropped; /* of pending, because it was full */
-    bool overflowing; /* pending deliveries were dropped since there was room last */
+    struct list losses; /* what a burst of too many has cost, first lost first: see drops.h */
+    struct intmap lost; /* the same by message */
     struct list waited_for_by; /* modules that have filled pending and are not read meanwhile */
     struct list in_crowded;    /* of the server, while that may be so */
 
@@ -59,6 +60,12 @@ static inline bool resource_has_room(const struct resource *resource)
 static inline bool resource_has_waiting(const struct resource *resource)
 {
     return !pending_is_empty(&resource->pending) || !pending_is_empty(&resource->holders_own);
+}
+
+/* How many deliveries wait for their turn, here or already at the module. */
+static inline size_t resource_count_waiting(const struct resource *resource)
+{
+    return resource->pending.count + resource->n_ahead;
 }
 
 /* The state as the status command names it. */

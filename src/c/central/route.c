@@ -52,7 +52,8 @@ struct handler *route_choose(const struct server *server, const struct message *
         if (flow_is_free(server, handler->resource, sender)) {
             return handler;
         }
-        if (best == NULL || handler->resource->pending.count < best->resource->pending.count) {
+        if (best == NULL ||
+            resource_count_waiting(handler->resource) < resource_count_waiting(best->resource)) {
             best = handler;
         }
     }

@@ -94,6 +94,7 @@ static void init_lists(struct server *server)
     list_init(&server->urgent);
     list_init(&server->flush);
     list_init(&server->due);
+    list_init(&server->condemned);
     list_init(&server->ended);
     list_init(&server->crowded);
     list_init(&server->losses);

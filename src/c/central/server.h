@@ -40,9 +40,6 @@ struct server {
     uint64_t now_ns; /* monotonic, of this turn */
     uint64_t (*clock)(void);
     struct poller *poller; /* watches the sockets; NULL when there are none */
-    void (*write_news)(struct server *server,
-                       void *context); /* writes urgent links; NULL: nobody can */
-    void *news_context;
 
     struct catalogue catalogue;
     struct format_names *names;
@@ -73,9 +70,11 @@ struct server {
 
     /* Work of this turn. */
     struct list input;  /* modules with bytes to handle */
+    bool holding; /* a watched variable has a new value, behind which everything waits */
     struct list urgent; /* modules to flush first */
     struct list flush;  /* the other modules to flush */
-    struct list due;    /* modules that are due values of watched variables */
+    struct list due;    /* modules to which due values of variables may go now */
+    struct list condemned; /* modules whose connections end with the turn */
     struct list ended;  /* modules to let go at the end of the turn */
     struct list crowded; /* resources for which senders wait */
 

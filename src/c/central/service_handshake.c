@@ -106,6 +106,7 @@ void service_introduction(struct request *request)
     server->n_greeted--;
     module_introduce(module, introduction->module,
                      introduction->host == NULL ? "" : introduction->host, &server->places);
+    module->when_full = full_policies_of(&server->options->when_full, module->name);
     log_always(&server->log, " Received a new connection: %d\n   modName : %s\n   hostName: %s\n",
                module->shown_fd, module->name, module->host);
     notify(server, LM_CONNECTED, module);

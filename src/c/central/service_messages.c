@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "central/broadcasts.h"
+#include "central/conflict.h"
 #include "central/flow.h"
 #include "central/handler_list.h"
 #include "central/services.h"
@@ -52,13 +53,14 @@ static bool may_define(const struct request *request, const struct message_defin
     return true;
 }
 
-static void define(struct server *server, struct message *message,
+static void define(struct server *server, const struct module *module, struct message *message,
                    const struct message_definition *definition)
 {
-    const struct message_definition_texts texts = {definition->class, definition->wire,
-                                                   definition->content};
+    const struct message_definition_texts texts = {module->name, definition->class,
+                                                   definition->wire, definition->content};
     if (message_is_defined(message)) {
         log_redefined(&server->log, message);
+        conflict_check(server, module, message, &texts);
     }
     message_define(&server->messages, message, definition->name, &texts);
     broadcasts_update(server, message, message->n_subscriptions);
@@ -75,7 +77,7 @@ void service_define_message(struct request *request)
     const struct message_definition *definition = &request->payload->definition;
     struct message *message = request_get_message(request, definition->name);
     if (message != NULL && may_define(request, definition, message)) {
-        define(request->server, message, definition);
+        define(request->server, request->module, message, definition);
     }
 }
 

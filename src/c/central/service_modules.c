@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "central/answer.h"
 #include "central/handler_list.h"
 #include "central/services.h"
 #include "central/start.h"
@@ -61,7 +62,7 @@ void service_handlers(struct request *request)
     if (message != NULL) {
         handler_list_init(request->server, &list, message);
     }
-    request_answer(request, list.count > 0 ? &list : NULL);
+    answer_state(request->server, request_keep(request), list.count > 0 ? &list : NULL);
     handler_list_fini(&list);
 }
 

@@ -53,7 +53,7 @@ static void let_start(struct server *server, struct module *module, struct dispa
 {
     const int yes = 1;
     module_enter(module, MODULE_READY);
-    answer(server, request, &yes);
+    answer_state(server, request, &yes); /* nothing is to come before it, values neither */
     watch_send_due(server, module, false);
     flow_release_all(server, module);
 }

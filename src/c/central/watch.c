@@ -42,14 +42,10 @@ static void send_value(struct server *server, struct subscription *subscription)
     subscription->mark = handler->module->link.queued;
 }
 
-static void set_due(struct server *server, struct subscription *subscription)
+static void set_due(struct subscription *subscription)
 {
-    struct module *module = subscription->handler->module;
     if (list_is_empty(&subscription->in_due)) {
-        list_append(&module->due, &subscription->in_due);
-    }
-    if (list_is_empty(&module->in_due)) {
-        list_append(&server->due, &module->in_due);
+        list_append(&subscription->handler->module->due, &subscription->in_due);
     }
 }
 
@@ -59,12 +55,16 @@ void watch_changed(struct server *server, const struct variable *variable)
     struct list *at, *following;
     LIST_EACH(at, following, &watch->subscriptions) {
         struct subscription *subscription = LIST_OWNER(at, struct subscription, in_message);
-        if (may_go(subscription, false)) {
-            list_remove(&subscription->in_due);
+        struct module *module = subscription->handler->module;
+        if (!module->in_order && may_go(subscription, false)) {
             send_value(server, subscription);
         } else {
-            set_due(server, subscription);
+            set_due(subscription);
+            if (module->in_order) {
+                watch_look_at(server, module); /* once for all changes of this turn */
+            }
         }
+        server->holding = true;
     }
 }
 
@@ -77,9 +77,6 @@ void watch_send_due(struct server *server, struct module *module, bool before_ot
             list_remove(&subscription->in_due);
             send_value(server, subscription);
         }
-    }
-    if (list_is_empty(&module->due)) {
-        list_remove(&module->in_due);
     }
 }
 
@@ -102,7 +99,9 @@ bool watch_settle(struct server *server)
     const uint64_t before = server->dispatches.n_begun;
     struct list *at, *following;
     LIST_EACH(at, following, &server->due) {
-        watch_send_due(server, LIST_OWNER(at, struct module, in_due), false);
+        struct module *module = LIST_OWNER(at, struct module, in_due);
+        list_remove(at);
+        watch_send_due(server, module, module->later != NULL);
     }
     return server->dispatches.n_begun != before;
 }

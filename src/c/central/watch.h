@@ -12,7 +12,9 @@
  *     ability to take in all in order gets every value at once.
  *
  * A subscription that is held back is "due"; nothing else goes to its module
- * before the value, as far as the module takes it.
+ * before the value, as far as the module takes it.  It is looked at again when
+ * its module starts, reports or has been written to, and not in between: thousands
+ * may be due.
  *
  * To a library that takes in all in order a value counts nothing against the
  * capacity.  To others it does, so that what follows waits until it is handled: a
@@ -34,13 +36,26 @@ void watch_handled(struct server *server, struct handler *handler, struct messag
 /* Sends what is due to a module and may go now. */
 void watch_send_due(struct server *server, struct module *module, bool before_others);
 
-/* Sends what is due to any module and may go now; whether anything was. */
+/* A value that is due to the module may go now: bytes have been written to it, for one. */
+static inline void watch_look_at(struct server *server, struct module *module)
+{
+    if (!list_is_empty(&module->due) && list_is_empty(&module->in_due)) {
+        list_append(&server->due, &module->in_due);
+    }
+}
+
+/* Sends what may go to those that are to be looked at; whether anything was. */
 bool watch_settle(struct server *server);
 
 /* To be called before anything else is sent to a module. */
 static inline void watch_catch_up(struct server *server, struct module *module)
 {
-    if (!list_is_empty(&module->due)) {
+    if (list_is_empty(&module->due)) {
+        return;
+    }
+    if (server->holding) {
+        watch_look_at(server, module); /* what is about to be sent is held until then */
+    } else {
         watch_send_due(server, module, true);
     }
 }

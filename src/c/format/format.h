@@ -62,6 +62,21 @@ bool format_is_simple(const struct format *format);
 /* Node-by-node equality of the expanded formats; NULL equals NULL only. */
 bool format_equal(const struct format *a, const struct format *b);
 
+/* The first part, in reading order, in which two formats differ. */
+struct format_difference {
+    char *part;   /* numbers of members from 1 on, outermost first: "2.1"; empty: all of it */
+    char *first;  /* that part's canonical text in the one format, "nothing" where it ends before */
+    char *second; /* ... and in the other */
+};
+
+/* Finds it: false when the formats are equal, and then nothing is set.  NULL is no format; neither
+ * may be the bad one. */
+bool format_difference(const struct format *a, const struct format *b,
+                       struct format_difference *difference);
+
+/* Frees its texts. */
+void format_difference_fini(struct format_difference *difference);
+
 /* The canonical text on one line; the caller frees it.  "NULLFormat" for NULL. */
 char *format_canonical(const struct format *format);
 

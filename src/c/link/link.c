@@ -253,6 +253,20 @@ int link_flush(struct link *link)
     return 0;
 }
 
+void link_take_over(struct link *link, struct link *from)
+{
+    while (from->n_pieces > 0) {
+        const struct link_piece *piece = piece_at(from, 0);
+        const size_t length = piece->length;
+        if (piece->bytes != NULL) {
+            append_shared(link, piece->bytes, length, piece->block);
+        } else {
+            append(link, from->run + from->run_start, length);
+        }
+        drop_written(from, length);
+    }
+}
+
 int link_take(struct link *link, struct buffer *out)
 {
     while (link->n_pieces > 0) {

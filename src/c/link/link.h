@@ -72,6 +72,9 @@ static inline uint64_t link_waiting(const struct link *link)
 /* Writes what the kernel takes: 0 when all has left, 1 when some waits, ERR_CLOSED or ERR_IO. */
 int link_flush(struct link *link);
 
+/* Moves everything that waits in from (none of it borrowed) to the end of what waits in link. */
+void link_take_over(struct link *link, struct link *from);
+
 /* Moves everything that waits to the end of out (for links without a socket): 0 or ERR_MEMORY. */
 int link_take(struct link *link, struct buffer *out);
 

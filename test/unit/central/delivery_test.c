@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "central/variable.h"
+
 struct pair {
     struct station station;
     struct peer sender;
@@ -273,8 +275,9 @@ static void a_full_queue_loses_its_oldest_and_says_so_once(void **state)
     (void)station_log(&pair.station);
     publish_all(&pair, "M0 M1 M2 M3 M4 M5 M6");
     const char *text = station_log(&pair.station);
-    const char *warning = strstr(
-        text, "WARNING: R on robot: the queue of R is full, its oldest messages are dropped\n");
+    const char *warning =
+        strstr(text, "WARNING: R on robot: the queue of R is full: M of S is dropped, "
+                     "the newest messages are kept\n");
     assert_non_null(warning);
     assert_null(strstr(warning + 1, "WARNING"));
     assert_int_equal(pair.station.server.statistics.n_dropped, 3);
@@ -516,6 +519,82 @@ static void other_libraries_get_nothing_before_they_have_handled_the_newest_list
     close_pair(&pair);
 }
 
+/* Modules that do not listen stay due for ever; a turn is not to go through them all. */
+static void a_module_that_is_due_a_list_costs_a_turn_nothing(void **state)
+{
+    struct pair pair;
+    struct peer lazy;
+    const struct server *server;
+    (void)state;
+    open_pair(&pair, "M");
+    server = &pair.station.server;
+    peer_connect(&pair.station, &lazy, "Lazy");
+    watch(&lazy);
+    subscribe_to_many(&pair.sender, 0, 3);
+    assert_false(list_is_empty(&lazy.module->due));
+    assert_true(list_is_empty(&server->due));
+    publish_all(&pair, "M0");
+    assert_true(list_is_empty(&server->due));
+    expect_all(&pair, "M0");
+    station_close(&pair.station);
+}
+
+/* Subscribes without letting the server handle it yet. */
+static void tell_of_subscription(struct peer *peer, const char *message)
+{
+    const struct subscription_notice notice = {5, (char *)(uintptr_t)message,
+                                               (char *)(uintptr_t)message};
+    (void)peer_tell(peer, LM_SUBSCRIBE, &notice);
+}
+
+static void the_changes_of_a_turn_are_told_once_and_before_what_follows(void **state)
+{
+    struct pair pair;
+    struct frame frame;
+    (void)state;
+    open_pair(&pair, "");
+    assert_int_equal(peer_id_of(&pair.sender, ABILITY_IN_ORDER), 0);
+    watch(&pair.sender);
+    tell_of_subscription(&pair.sender, "one");
+    const int first = peer_tell(&pair.sender, LM_READY, NULL);
+    tell_of_subscription(&pair.receiver, "two");
+    const int second = peer_tell(&pair.receiver, LM_READY, NULL);
+    tell_of_subscription(&pair.sender, "three");
+    const int third = peer_tell(&pair.sender, LM_READY, NULL);
+    assert_int_equal(names_in_update(&pair.sender, &frame), 4);
+    assert_true(peer_receive(&pair.sender, &frame));
+    assert_int_equal(frame.reference, first);
+    assert_true(peer_receive(&pair.sender, &frame));
+    assert_int_equal(frame.reference, third);
+    peer_expect_nothing(&pair.sender);
+    assert_true(peer_receive(&pair.receiver, &frame));
+    assert_int_equal(frame.reference, second);
+    station_close(&pair.station);
+}
+
+/* What a module reads last is the newest. */
+static void an_answer_that_tells_the_list_is_not_overtaken_by_a_newer_one(void **state)
+{
+    struct pair pair;
+    struct frame frame;
+    const struct variable *list;
+    (void)state;
+    open_pair(&pair, "");
+    list = pair.station.server.broadcasts;
+    assert_int_equal(peer_id_of(&pair.sender, ABILITY_IN_ORDER), 0);
+    watch(&pair.sender);
+    tell_of_subscription(&pair.sender, "one");
+    peer_frame(&pair.sender, &frame, CLASS_QUERY, variable_message(list, MESSAGE_GET)->id);
+    const int reference = frame.reference;
+    peer_send(&pair.sender, &frame);
+    tell_of_subscription(&pair.sender, "two");
+    assert_true(peer_receive(&pair.sender, &frame));
+    assert_int_equal(frame.reference, reference);
+    assert_int_equal(names_in_update(&pair.sender, &frame), 3);
+    peer_expect_nothing(&pair.sender);
+    station_close(&pair.station);
+}
+
 static void links_with_a_list_are_flushed_first(void **state)
 {
     struct pair pair;
@@ -687,6 +766,9 @@ int main(void)
         cmocka_unit_test(lists_do_not_wait_behind_a_busy_module_s_deliveries),
         cmocka_unit_test(a_list_goes_before_anything_that_follows_from_the_subscription),
         cmocka_unit_test(other_libraries_get_nothing_before_they_have_handled_the_newest_list),
+        cmocka_unit_test(a_module_that_is_due_a_list_costs_a_turn_nothing),
+        cmocka_unit_test(the_changes_of_a_turn_are_told_once_and_before_what_follows),
+        cmocka_unit_test(an_answer_that_tells_the_list_is_not_overtaken_by_a_newer_one),
         cmocka_unit_test(links_with_a_list_are_flushed_first),
         cmocka_unit_test(who_outpaces_a_working_receiver_waits_and_loses_nothing),
         cmocka_unit_test(waiting_begins_at_half_of_the_bytes_too),

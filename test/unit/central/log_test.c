@@ -157,6 +157,9 @@ static void requests_to_the_server_with_what_they_cause(void **state)
     assert_non_null(strstr(station_log(&robot.station),
                            "    {\"Ping\", 15, \"{int, <byte:1>}\", \"double\"}\n"
                            "Registration: Message Ping Found. Updating.\n"
+                           "WARNING: Planner on robot: it defines Ping as double (variable "
+                           "length), but Planner as int (variable length): it is double instead of "
+                           "int\n"
                            "  Done    x_ipc_registerMessageMsg:\n"));
     station_close(&robot.station);
 }

@@ -191,6 +191,36 @@ static void limits_are_set_by_name(void **state)
     close_fixture(&f);
 }
 
+static void policies_of_full_queues_are_chosen_for_all_and_by_module(void **state)
+{
+    struct fixture f;
+    (void)state;
+    assert_int_equal(parse(&f, "--when-full=oldest --when-full=Arm:newest --when-full=a:b:wait "
+                               "--when-full=arm:disconnect"),
+                     OPTIONS_GO);
+    assert_int_equal(full_policies_of(&f.options.when_full, "other"), WHEN_FULL_OLDEST);
+    assert_int_equal(full_policies_of(&f.options.when_full, "ARM"), WHEN_FULL_DISCONNECT);
+    assert_int_equal(full_policies_of(&f.options.when_full, "a:b"), WHEN_FULL_WAIT);
+    assert_int_equal(full_policies_of(&f.options.when_full, "a"), WHEN_FULL_OLDEST);
+    close_fixture(&f);
+}
+
+static void wrong_policies_are_refused(void **state)
+{
+    static const char *const lines[] = {"--when-full=latest", "--when-full=:wait",
+                                        "--when-full=Arm:", "--when-full=Arm"};
+    (void)state;
+    for (size_t i = 0; i < N_ELEMENTS(lines); i++) {
+        struct fixture f;
+        char expected[100];
+        assert_int_equal(parse(&f, lines[i]), OPTIONS_WRONG);
+        (void)snprintf(expected, sizeof expected, "No such policy: %s (--help lists them)\n",
+                       lines[i] + strlen("--when-full="));
+        assert_text(&f.errors, expected);
+        close_fixture(&f);
+    }
+}
+
 static void wrong_limits_are_refused(void **state)
 {
     static const char *const illegal[] = {
@@ -396,6 +426,8 @@ int main(void)
         cmocka_unit_test(wrong_words_are_refused),
         cmocka_unit_test(impossible_ports_are_refused),
         cmocka_unit_test(limits_are_set_by_name),
+        cmocka_unit_test(policies_of_full_queues_are_chosen_for_all_and_by_module),
+        cmocka_unit_test(wrong_policies_are_refused),
         cmocka_unit_test(wrong_limits_are_refused),
         cmocka_unit_test(who_may_connect_and_how),
         cmocka_unit_test(users_that_tcp_cannot_tell_and_no_users_are_refused),

@@ -207,6 +207,19 @@ static void priorities_hold_in_every_queue_of_a_subject(void **state)
     tear_down(&fixture);
 }
 
+static void the_oldest_takes_its_first_place_along_even_if_a_priority_was_raised(void **state)
+{
+    struct fixture fixture;
+    (void)state;
+    set_up(&fixture, "AB");
+    add_all(&fixture, "A0 B1");
+    pending_subject_set_priority(subject(&fixture, 'A'), 5);
+    add_all(&fixture, "A2 B3 A4"); /* A A B A B: their turns now */
+    free(delivery_of(pending_take_oldest(&fixture.queue)));
+    assert_leave(&fixture, "A2 A4 B1 B3");
+    tear_down(&fixture);
+}
+
 static void any_delivery_can_be_taken_out(void **state)
 {
     struct fixture fixture;
@@ -381,6 +394,7 @@ int main(void)
         cmocka_unit_test(a_limit_of_0_lets_nothing_wait),
         cmocka_unit_test(setting_a_priority_moves_nothing_but_counts_from_then_on),
         cmocka_unit_test(priorities_hold_in_every_queue_of_a_subject),
+        cmocka_unit_test(the_oldest_takes_its_first_place_along_even_if_a_priority_was_raised),
         cmocka_unit_test(any_delivery_can_be_taken_out),
         cmocka_unit_test(random_sequences_behave_as_the_simplest_queue),
     };

@@ -9,6 +9,8 @@
 
 #include "base/memory.h"
 #include "central/ending.h"
+#include "central/outbox.h"
+#include "central/watch.h"
 
 enum { MAX_ARGUMENTS = 16, GREETING_SIZE = 137 };
 
@@ -40,12 +42,7 @@ void station_close(struct station *station)
 {
     struct list *at, *following;
     LIST_EACH(at, following, &station->peers) {
-        struct peer *peer = LIST_OWNER(at, struct peer, in_station);
-        peer_lose(peer);
-        list_remove(at);
-        module_unref(peer->module);
-        reader_fini(&peer->reader);
-        buffer_fini(&peer->input);
+        peer_leave(LIST_OWNER(at, struct peer, in_station));
     }
     assert_true(list_is_empty(&station->server.modules));
     server_fini(&station->server);
@@ -67,6 +64,7 @@ void station_run(struct station *station)
     struct server *server = &station->server;
     do {
         conversation_turn(server);
+        outbox_let_go(server);
         flush(&server->urgent);
         flush(&server->flush);
     } while (conversation_is_pending(server));
@@ -103,6 +101,7 @@ static void take_output(struct peer *peer)
     if (peer->module->state != MODULE_ENDED) {
         assert_int_equal(link_take(&peer->module->link, &peer->input), 0);
         /* What waited for bytes to leave may now go. */
+        watch_look_at(&peer->station->server, peer->module);
         conversation_flushed(&peer->station->server, peer->module);
         station_run(peer->station);
         assert_int_equal(link_take(&peer->module->link, &peer->input), 0);
@@ -379,6 +378,15 @@ void peer_lose(struct peer *peer)
     }
     station_run(peer->station);
     assert_true(peer_is_closed(peer));
+}
+
+void peer_leave(struct peer *peer)
+{
+    peer_lose(peer);
+    list_remove(&peer->in_station);
+    module_unref(peer->module);
+    reader_fini(&peer->reader);
+    buffer_fini(&peer->input);
 }
 
 bool peer_is_closed(const struct peer *peer)

@@ -55,6 +55,9 @@ void peer_connect(struct station *station, struct peer *peer, const char *name);
 /* Its connection is gone. */
 void peer_lose(struct peer *peer);
 
+/* The same, and nothing is left of the peer. */
+void peer_leave(struct peer *peer);
+
 /* Whether the server has closed the connection. */
 bool peer_is_closed(const struct peer *peer);
 
