@@ -3,7 +3,7 @@
  */
 #include "libipc/api.h"
 
-#include "libipc/event_set.h"
+#include "libipc/inbox.h"
 #include "libipc/receive.h"
 #include "libipc/reconnect.h"
 #include "libipc/wait.h"
@@ -46,7 +46,7 @@ IPC_ERROR_TYPE api_enter_to_marshall(struct api *api)
 IPC_RETURN_TYPE api_leave(struct api *api, IPC_ERROR_TYPE error)
 {
     struct _X_IPC_CONTEXT *lost = context_take_loss(api->library, false);
-    event_set_tell(api->library); /* the call may have taken in messages */
+    inbox_tell(api->library); /* the call may have taken in messages */
     library_leave(api->library);
     if (lost == NULL) {
         return report(error);

@@ -10,6 +10,8 @@
 #include "libipc/address.h"
 #include "libipc/exchange.h"
 #include "libipc/handshake.h"
+#include "libipc/inbox.h"
+#include "libipc/receive.h"
 #include "libipc/report.h"
 #include "libipc/wait.h"
 
@@ -65,12 +67,14 @@ static enum try_result try_once(const char *module, const char *server, bool wil
         context_new(library, fd, module, server, address->port, will_listen);
     context->local = local;
     net_peer_address(fd, context->address, sizeof context->address);
+    receive_start(context);
     const enum try_result result = shake_hands(context);
     if (result == TRY_OK) {
         make_current(library, context);
     } else {
         context_discard(context);
     }
+    inbox_tell(library); /* other connections may have brought something meanwhile */
     library_leave(library);
     return result;
 }
@@ -96,6 +100,7 @@ static enum already look_for_connection(const char *server, bool will_listen, in
             wait_turn(library, deadline);
         }
         already = context_is_connected(context) ? ALREADY_CONNECTED : ALREADY_AWAY;
+        inbox_tell(library);
     }
     library_leave(library);
     return already;

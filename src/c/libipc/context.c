@@ -14,6 +14,7 @@
 #include "libipc/registry.h"
 #include "libipc/subscription.h"
 #include "libipc/timer.h"
+#include "libipc/wait.h"
 #include "libipc/watch_fd.h"
 
 /* A husk that no program has ever seen, left by a failed handshake, or a new one. */
@@ -47,6 +48,7 @@ struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *
     context->reconnect = library->reconnect;
     context->capacity = 1;
     link_init(&context->link, fd, FROM_CENTRAL);
+    source_init(&context->source, NULL, -1);
     intmap_init(&context->awaited);
     table_init(&context->messages, TABLE_FOLDING);
     table_init(&context->handlers, TABLE_FOLDING);
@@ -55,7 +57,8 @@ struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *
     list_init(&context->inbox);
     list_init(&context->delayed);
     table_init(&context->broadcasts, TABLE_FOLDING);
-    context->direct_tcp = -1;
+    source_init(&context->direct_tcp, NULL, -1);
+    source_init(&context->direct_unix, NULL, -1);
     context->direct_local.fd = -1;
     list_init(&context->peers);
     list_init(&context->connect_watchers);
@@ -78,7 +81,7 @@ void context_connected(struct _X_IPC_CONTEXT *context)
     if (context->link.fd > library->max_fd) {
         library->max_fd = context->link.fd;
     }
-    library_changed(library);
+    wait_changed(library);
 }
 
 bool context_is_known(const struct library *library, const struct _X_IPC_CONTEXT *pointer)
@@ -131,6 +134,7 @@ static void free_delayed(struct _X_IPC_CONTEXT *context)
 
 void context_drop_connection(struct _X_IPC_CONTEXT *context)
 {
+    wait_remove(context->library, &context->source);
     link_fini(&context->link);
     fail_awaited(context);
     free_delayed(context);
@@ -160,7 +164,7 @@ void context_close(struct _X_IPC_CONTEXT *context, enum context_state state)
         watch_fd_clear(library);
         library->initialised = false;
     }
-    library_changed(library);
+    wait_changed(library);
 }
 
 void context_settle(struct _X_IPC_CONTEXT *context)

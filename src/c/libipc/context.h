@@ -11,7 +11,7 @@
 #ifndef IPC_LIBIPC_CONTEXT_H
 #define IPC_LIBIPC_CONTEXT_H
 
-#include "libipc/library.h"
+#include "libipc/source.h"
 #include "link/link.h"
 
 struct reconnect;
@@ -60,6 +60,7 @@ struct _X_IPC_CONTEXT {
     bool new_central;      /* central of this project: its promises may be relied on */
 
     struct link link;
+    struct source source;  /* of the link, once that is waited for (receive_start) */
     unsigned writers;      /* threads that wait for what they have queued to be written */
     bool try_first;        /* the last attempt to read found something */
     int32_t last_reference;
@@ -86,8 +87,9 @@ struct _X_IPC_CONTEXT {
 
     bool direct;                   /* central wants modules to be linked with each other */
     int direct_port;               /* where others reach this module, 0: nowhere */
-    int direct_tcp;                /* listeners, -1: none */
-    struct net_local direct_local;
+    struct source direct_tcp;      /* listeners, fd -1: none */
+    struct source direct_unix;
+    struct net_local direct_local; /* the latter's file */
     struct list peers;             /* of struct peer */
     unsigned draining;             /* threads that wait for a peer to take bytes */
 

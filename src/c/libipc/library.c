@@ -8,8 +8,8 @@
 
 #include "base/memory.h"
 #include "libipc/context.h"
-#include "libipc/event_set.h"
 #include "libipc/reconnect.h"
+#include "libipc/wait.h"
 
 /* The one mutable static of the library; everything else is reached from here. */
 static struct library the_library;
@@ -32,6 +32,7 @@ static void library_make(void)
     library->lock = mutex_new();
     library->changed = condition_new();
     library->waker.read_fd = library->waker.write_fd = -1;
+    list_init(&library->sources);
     list_init(&library->contexts);
     table_init(&library->formatters, TABLE_EXACT);
     list_init(&library->timers);
@@ -60,23 +61,6 @@ struct library *library_enter(void)
 void library_leave(struct library *library)
 {
     mutex_unlock(library->lock);
-}
-
-/* Tells threads that wait, in the kernel or in turn, to look again. */
-static void wake_all(struct library *library)
-{
-    if (library->polling) {
-        waker_wake(&library->waker);
-    }
-    if (library->sleepers > 0) {
-        condition_tell_all(library->changed);
-    }
-}
-
-void library_changed(struct library *library)
-{
-    wake_all(library);
-    event_set_update(library);
 }
 
 /* What is made once and kept, whatever happens to the connections. */
@@ -209,6 +193,6 @@ void library_call_end(struct library *library, struct running *running)
     *link = running->outer;
     if (--running->turn->depth == 0) {
         running->turn->thread = 0;
-        wake_all(library); /* others may have waited for their turn */
+        wait_wake(library); /* others may have waited for their turn */
     }
 }

@@ -31,7 +31,7 @@
 #include "wire/catalogue.h"
 
 struct _X_IPC_CONTEXT;
-struct instance;
+struct source_list;
 
 /* Which thread runs callbacks on behalf of something, and how deeply nested. */
 struct turn {
@@ -54,7 +54,9 @@ struct running {
 struct library {
     struct mutex *lock;
     struct condition *changed; /* told whenever something that a waiting thread may want changes */
+    struct list sources;       /* what that may be: all struct source but the user's descriptors */
     bool polling;              /* a thread waits in the kernel for all others */
+    struct source_list *waiting; /* what it waits for, or is looking at after the wait; else NULL */
     unsigned sleepers;         /* threads that wait for it in turn */
     unsigned listeners;        /* threads inside a listening call */
     struct waker waker;        /* ends the wait in the kernel */
@@ -82,7 +84,7 @@ struct library {
     struct poller *event_set;      /* for other event loops; NULL: nobody has asked for it */
     int *event_fds;                /* what is in it */
     size_t n_event_fds;
-    struct list watched_fds;       /* in ascending order */
+    struct list watched_fds;       /* of struct source, in ascending order */
     int max_fd;                    /* largest descriptor that was ever waited for */
     struct idpool instances;       /* numbers behind MSG_INSTANCE */
     struct list spare_instances;
@@ -97,9 +99,6 @@ struct library *library_enter(void);
 
 /* Gives the lock back. */
 void library_leave(struct library *library);
-
-/* What is to be waited for has changed: threads that wait, in the kernel or in turn, look again. */
-void library_changed(struct library *library);
 
 /* Puts the library into state initialised if it is fresh or disconnected. */
 void library_initialise(struct library *library);

@@ -36,9 +36,7 @@ static void look(struct library *library, bool urgent)
             }
         }
     }
-    if (!list_is_empty(&library->watched_fds)) {
-        wait_poll_fds(library);
-    }
+    watch_fd_poll(library);
 }
 
 static void flush_late_acknowledgements(struct _X_IPC_CONTEXT *context)

@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "libipc/direct.h"
 #include "libipc/exchange.h"
+#include "libipc/peer.h"
 #include "libipc/receive.h"
 #include "libipc/reconnect.h"
 #include "libipc/report.h"
@@ -76,7 +77,7 @@ IPC_ERROR_TYPE publish_frame(struct _X_IPC_CONTEXT *context, struct frame *frame
 void publish_frame_to(struct peer *peer, struct frame *frame, const struct message *message,
                       const void *content, size_t length)
 {
-    direct_drain(peer, queue_frame(&peer->link, frame, message, content, length));
+    peer_drain(peer, queue_frame(&peer->link, frame, message, content, length));
 }
 
 /*

@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "libipc/context.h"
 #include "libipc/report.h"
+#include "libipc/wait.h"
 
 struct timer {
     struct list in_library;
@@ -94,7 +95,7 @@ TIMER_REF timer_add(struct library *library, uint64_t delay_ms, long count,
     timer->context = library_live(library);
     timer->pass = 0;
     find_next(library);
-    library_changed(library);
+    wait_changed(library);
     return (TIMER_REF)idpool_handle(&library->timer_ids, timer->number);
 }
 
