@@ -5,6 +5,7 @@
 
 #include "libipc/api.h"
 #include "libipc/compat.h"
+#include "libipc/closing.h"
 #include "libipc/connect.h"
 #include "libipc/direct.h"
 #include "libipc/exchange.h"
@@ -43,11 +44,11 @@ IPC_RETURN_TYPE IPC_connectNoListen(const char *taskName)
 IPC_RETURN_TYPE IPC_disconnect(void)
 {
     struct library *library = library_enter();
-    struct _X_IPC_CONTEXT *context = library_context(library);
+    struct _X_IPC_CONTEXT *context = context_current(library);
     if (context != NULL) {
-        disconnect(context, true);
+        closing_disconnect(context, true);
     }
-    if (!library_any_live(library)) {
+    if (!context_any_live(library)) {
         library->initialised = false;
     }
     library_leave(library);
@@ -57,12 +58,12 @@ IPC_RETURN_TYPE IPC_disconnect(void)
 int IPC_isConnected(void)
 {
     struct library *library = library_enter();
-    const struct _X_IPC_CONTEXT *context = library_live(library);
+    const struct _X_IPC_CONTEXT *context = context_current_live(library);
     if (context != NULL && context->away != NULL) {
         wait_turn(library, clock_ns()); /* a program that asks again and again sees it come back */
         inbox_tell(library);
     }
-    const int connected = library_connected(library) != NULL;
+    const int connected = context_current_connected(library) != NULL;
     library_leave(library);
     return connected;
 }

@@ -4,11 +4,11 @@
 #include "ipc/ipcx.h"
 
 #include "libipc/api.h"
+#include "libipc/closing.h"
 #include "libipc/event_set.h"
 #include "libipc/formatter.h"
 #include "libipc/inbox.h"
 #include "libipc/notify.h"
-#include "libipc/reconnect.h"
 #include "libipc/shell.h"
 #include "libipc/wait.h"
 
@@ -82,7 +82,7 @@ IPC_RETURN_TYPE IPCx_unmarshallN(FORMATTER_PTR formatter, BYTE_ARRAY byteArray,
     const struct format *format = formatter_format(formatter);
     const struct format_source source = {byteArray, length, byte_order_of_host()};
     struct library *library = library_enter();
-    const bool ready = library_is_ready(library);
+    const bool ready = library->initialised;
     library_leave(library);
     if (!ready) {
         return report(IPC_Not_Initialized);
@@ -121,7 +121,11 @@ IPC_RETURN_TYPE IPCx_setReconnect(IPCX_RECONNECT mode)
     }
     const IPC_ERROR_TYPE error = api_enter_live(&api);
     if (error == IPC_No_Error) {
-        reconnect_set(api.context, mode);
+        api.context->reconnect = mode;
+        if (mode == IPCX_RECONNECT_NEVER && api.context->away != NULL) {
+            closing_end(api.context, CONTEXT_CLOSED);
+        }
+        wait_changed(api.library); /* calls that wait look again */
     }
     return api_leave(&api, error);
 }

@@ -86,6 +86,27 @@ static const struct source_kind unix_kind = {NULL, wanted_from_listener, accept_
 
 /* ------------------------------------------------------------- being reachable */
 
+/*
+ * The process ends: files of sockets would outlive it.  Without the lock, since a signal handler may
+ * have called exit() while this thread held it; contexts are never freed.
+ */
+static void remove_files(void)
+{
+    struct library *library = library_at_end();
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        net_remove_local(&context_at(position)->direct_local);
+    }
+}
+
+static void remove_files_at_end(struct library *library)
+{
+    if (!library->removes_files) {
+        library->removes_files = true;
+        (void)atexit(remove_files); /* at worst a stale file stays */
+    }
+}
+
 /* Listens on that port by TCP and, if that works, by Unix socket: whether others can come. */
 static bool listen_on(struct _X_IPC_CONTEXT *context, int port)
 {
@@ -97,6 +118,7 @@ static bool listen_on(struct _X_IPC_CONTEXT *context, int port)
     }
     source_init(&context->direct_tcp, &tcp_kind, fd);
     wait_add(library, &context->direct_tcp);
+    remove_files_at_end(library);
     snprintf(path, sizeof path, "%s/%d", NET_SOCKET_DIRECTORY, port);
     if (net_listen_local(path, 0777, &context->direct_local) == 0) {
         source_init(&context->direct_unix, &unix_kind, context->direct_local.fd);

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "libipc/callback.h"
 #include "libipc/exchange.h"
 #include "libipc/handler_watch.h"
 #include "libipc/inbox.h"
@@ -158,9 +159,9 @@ static size_t list_calls(const struct instance *notice, const char *message, str
 static void run(struct instance *notice, const struct call *call)
 {
     struct _X_IPC_CONTEXT *context = notice->context;
-    struct running running = library_call(context->library, context, notice->dispatch);
+    struct running running = callback_of(context->library, context, notice->dispatch);
     const char *name = notice->notice_name;
-    library_call_begin(context->library, &running);
+    callback_begin(context->library, &running);
     if (notice->watchers == &context->change_watchers) {
         ((CHANGE_HANDLE_TYPE)call->function)(name, notice->notice_count, call->client_data);
     } else if (notice->watchers == &context->connection_watchers) {
@@ -168,7 +169,7 @@ static void run(struct instance *notice, const struct call *call)
     } else {
         ((CONNECT_HANDLE_TYPE)call->function)(name, call->client_data);
     }
-    library_call_end(context->library, &running);
+    callback_end(context->library, &running);
 }
 
 void notify_run(struct instance *notice)

@@ -13,7 +13,6 @@
 #include "libipc/exchange.h"
 #include "libipc/peer.h"
 #include "libipc/receive.h"
-#include "libipc/reconnect.h"
 #include "libipc/report.h"
 
 /* --------------------------------------------------------------------- length */
@@ -184,7 +183,7 @@ IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
     do {
         connection = context->connection;
         error = publish_once(context, message, length, content);
-    } while (error != IPC_No_Error && reconnect_again(context, connection));
+    } while (error != IPC_No_Error && exchange_again(context, connection));
     return error;
 }
 

@@ -108,7 +108,6 @@ static void try_later(struct reconnect *away)
 void reconnect_begin(struct _X_IPC_CONTEXT *context)
 {
     context->state = CONTEXT_AWAY;
-    context_drop_connection(context);
     forget_numbers(context);
     if (context->away == NULL) {
         leave(context);
@@ -228,42 +227,4 @@ void reconnect_turn(struct library *library)
             step(context);
         }
     }
-}
-
-/* -------------------------------------------------------------------- waiting */
-
-bool reconnect_await(struct _X_IPC_CONTEXT *context)
-{
-    while (context->away != NULL && context->reconnect == IPCX_RECONNECT_WAIT) {
-        wait_turn(context->library, NO_DEADLINE);
-    }
-    return context_is_connected(context);
-}
-
-bool reconnect_again(struct _X_IPC_CONTEXT *context, unsigned connection)
-{
-    return (context->away != NULL || context->connection != connection) &&
-           context->reconnect == IPCX_RECONNECT_WAIT && reconnect_await(context);
-}
-
-/* ------------------------------------------------------------------- settings */
-
-void reconnect_set(struct _X_IPC_CONTEXT *context, IPCX_RECONNECT mode)
-{
-    context->reconnect = mode;
-    if (mode == IPCX_RECONNECT_NEVER && context->away != NULL) {
-        context_close(context, CONTEXT_CLOSED);
-    }
-    wait_changed(context->library); /* calls that wait look again */
-}
-
-IPCX_RECONNECT reconnect_default(void)
-{
-    const char *text = getenv("IPC_RECONNECT");
-    if (text == NULL) {
-        return IPCX_RECONNECT_NEVER;
-    }
-    return strcmp(text, "fail") == 0   ? IPCX_RECONNECT_FAIL
-           : strcmp(text, "wait") == 0 ? IPCX_RECONNECT_WAIT
-                                       : IPCX_RECONNECT_NEVER;
 }

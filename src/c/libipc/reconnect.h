@@ -23,7 +23,7 @@ struct reconnect {
     struct handshake handshake; /* state connecting */
 };
 
-/* The open connection broke: the one that the program has, or one that should become it. */
+/* The connection broke, and has been closed: the one that the program has, or one that should become it. */
 void reconnect_begin(struct _X_IPC_CONTEXT *context);
 
 /* Ends that, if it has begun. */
@@ -31,18 +31,5 @@ void reconnect_end(struct _X_IPC_CONTEXT *context);
 
 /* Goes on with every context that is away, as far as it can; waits do so as well. */
 void reconnect_turn(struct library *library);
-
-/* Whether the context is connected; if its program wants calls to wait, after waiting for that. */
-bool reconnect_await(struct _X_IPC_CONTEXT *context);
-
-/* Whether a call that began over that connection has failed with it and is to be made again: if calls
- * wait, and the connection is there again, after waiting for it. */
-bool reconnect_again(struct _X_IPC_CONTEXT *context, unsigned connection);
-
-/* Sets what follows a loss. */
-void reconnect_set(struct _X_IPC_CONTEXT *context, IPCX_RECONNECT mode);
-
-/* What the environment says follows a loss where the program says nothing. */
-IPCX_RECONNECT reconnect_default(void);
 
 #endif

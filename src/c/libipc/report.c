@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "libipc/compat.h"
-#include "libipc/connect.h"
+#include "libipc/closing.h"
 #include "libipc/context.h"
 
 /* The API's own globals.  Old programs read and write them directly. */
@@ -128,9 +128,9 @@ static void end_if_wished(void)
     }
     struct library *library = library_enter();
     const bool used = library->used;
-    struct _X_IPC_CONTEXT *context = library_context(library);
+    struct _X_IPC_CONTEXT *context = context_current(library);
     if (used && context != NULL && !library->in_exit_procedure) {
-        disconnect(context, true);
+        closing_disconnect(context, true);
     }
     library_leave(library);
     if (used) {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "libipc/context.h"
+#include "libipc/callback.h"
 #include "libipc/report.h"
 #include "libipc/wait.h"
 
@@ -70,7 +70,7 @@ static void replace(struct watched_fd *watched, FD_HANDLER_TYPE handler, void *c
 
 void watch_fd_add(struct library *library, int fd, FD_HANDLER_TYPE handler, void *client_data)
 {
-    const struct _X_IPC_CONTEXT *context = library_live(library);
+    const struct _X_IPC_CONTEXT *context = context_current_live(library);
     struct watched_fd *watched = watched_find(library, fd);
     if (context != NULL && !context->will_listen) {
         report_warning("WARNING: Subscribing to port %d, but have connected no-listen\n", fd);
@@ -83,7 +83,7 @@ void watch_fd_add(struct library *library, int fd, FD_HANDLER_TYPE handler, void
     source_init(&watched->source, &watched_kind, fd);
     watched->handler = handler;
     watched->client_data = client_data;
-    watched->context = library_live(library);
+    watched->context = context_current_live(library);
     list_insert(place_of(library, fd), &watched->source.in_library);
     if (fd > library->max_fd) {
         library->max_fd = fd;
@@ -106,18 +106,14 @@ void watch_fd_remove(struct library *library, int fd)
 /* In the context that the descriptor belongs to, as long as that has not ended. */
 static void call(struct library *library, struct watched_fd *watched)
 {
-    struct running running = library_call(library, watched->context, NO_ID);
-    struct _X_IPC_CONTEXT *owner = running.context;
+    struct running running = callback_of(library, watched->context, NO_ID);
     const FD_HANDLER_TYPE handler = watched->handler;
     void *client_data = watched->client_data;
     const int fd = watched->source.fd;
     watched->ready = false;
-    library_call_begin(library, &running); /* the entry may be gone from here on */
+    callback_begin(library, &running); /* the entry may be gone from here on */
     handler(fd, client_data);
-    library_call_end(library, &running);
-    if (owner != NULL) {
-        context_settle(owner);
-    }
+    callback_end(library, &running);
 }
 
 /*
@@ -138,7 +134,7 @@ static struct watched_fd *next_ready(struct library *library, int last)
     for (; position != &library->watched_fds; position = position->next) {
         struct watched_fd *watched = watched_at(position);
         if (watched->source.fd > last && watched->ready &&
-            library_turn_is_free(library, watched->context) && is_still_ready(watched)) {
+            callback_turn_is_free(library, watched->context) && is_still_ready(watched)) {
             return watched;
         }
     }

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "libipc/closing.h"
 #include "libipc/compat.h"
 #include "libipc/inbox.h"
 
@@ -34,7 +35,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     struct fixture *fixture = *state;
-    context_close(fixture->context, CONTEXT_CLOSED);
+    closing_end(fixture->context, CONTEXT_CLOSED);
     library_leave(fixture->library);
     free(fixture);
     return 0;
