@@ -4,7 +4,6 @@
 #include <stdio.h>
 
 #include "libipc/api.h"
-#include "libipc/compat.h"
 #include "libipc/closing.h"
 #include "libipc/connect.h"
 #include "libipc/direct.h"

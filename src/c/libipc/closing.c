@@ -8,13 +8,13 @@
 #include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/inbox.h"
-#include "libipc/notify.h"
 #include "libipc/reconnect.h"
 #include "libipc/registry.h"
 #include "libipc/subscription.h"
 #include "libipc/timer.h"
 #include "libipc/wait.h"
 #include "libipc/watch_fd.h"
+#include "libipc/watcher.h"
 
 /* ------------------------------------------------------------- the connection */
 
@@ -60,7 +60,7 @@ static void settle(struct _X_IPC_CONTEXT *context)
     if (context->turn.depth > 0) {
         return;
     }
-    notify_clear(context);
+    watcher_clear(context);
     subscription_clear(context);
     registry_clear(context);
     table_fini(&context->broadcasts);

@@ -12,7 +12,7 @@
 #include "libipc/handshake.h"
 #include "libipc/inbox.h"
 #include "libipc/receive.h"
-#include "libipc/report.h"
+#include "libipc/report_result.h"
 #include "libipc/wait.h"
 
 enum { N_TRIES = 5, PAUSE_MS = 1000, CONNECT_TIMEOUT_MS = 10000 };

@@ -9,9 +9,9 @@
 #include "base/error.h"
 #include "libipc/callback.h"
 #include "libipc/known_arrays.h"
-#include "libipc/notify.h"
 #include "libipc/report.h"
 #include "libipc/subscription.h"
+#include "libipc/watcher.h"
 
 /* What is handed to the handler. */
 struct handed {
@@ -159,7 +159,7 @@ void deliver(struct instance *instance)
 {
     instance_activate(instance);
     if (instance->kind == INSTANCE_NOTICE) {
-        notify_run(instance);
+        watcher_run(instance);
     } else {
         deliver_message(instance);
     }

@@ -233,16 +233,6 @@ static struct peer *reach(struct _X_IPC_CONTEXT *context, const char *message,
     return peer;
 }
 
-void direct_forget_targets(struct message *message)
-{
-    for (size_t i = 0; i < message->n_targets; i++) {
-        peer_unref(message->targets[i].peer);
-    }
-    free(message->targets);
-    message->targets = NULL;
-    message->n_targets = 0;
-}
-
 /* Connects to whoever is listed, from the oldest subscription on.  Starts again when the list changes
  * meanwhile. */
 static void make_targets(struct _X_IPC_CONTEXT *context, struct message *message)
@@ -252,7 +242,7 @@ static void make_targets(struct _X_IPC_CONTEXT *context, struct message *message
     while (context_is_connected_as(context, connection) && message->targets_stale) {
         const int count = message->handlers.count;
         message->targets_stale = false;
-        direct_forget_targets(message);
+        registry_forget_targets(message);
         message->targets = mem_resize(NULL, (size_t)count + 1, sizeof *message->targets);
         for (int i = count - 1; i >= 0 && !message->targets_stale; i--) {
             const int32_t handler = message->handlers.handlers[i].id;

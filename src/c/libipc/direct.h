@@ -12,12 +12,6 @@
 #include "libipc/context.h"
 #include "libipc/registry.h"
 
-/* Where a direct message goes. */
-struct direct_target {
-    int32_t handler;
-    struct peer *peer; /* NULL: cannot be reached */
-};
-
 /* Listens, and sets context->direct_port: 0 or ERR_IO. */
 int direct_listen(struct _X_IPC_CONTEXT *context);
 
@@ -35,9 +29,6 @@ void direct_each_fd(struct _X_IPC_CONTEXT *context, void (*add)(void *set, int f
 
 /* Takes in what has arrived from other modules. */
 void direct_look(struct _X_IPC_CONTEXT *context);
-
-/* Forgets where a message goes. */
-void direct_forget_targets(struct message *message);
 
 /* Closes listeners and links. */
 void direct_close(struct _X_IPC_CONTEXT *context);

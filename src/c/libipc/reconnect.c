@@ -14,12 +14,12 @@
 #include "base/memory.h"
 #include "libipc/exchange.h"
 #include "libipc/inbox.h"
-#include "libipc/notify.h"
 #include "libipc/receive.h"
 #include "libipc/registry.h"
 #include "libipc/report.h"
 #include "libipc/subscription.h"
 #include "libipc/wait.h"
+#include "libipc/watcher.h"
 
 #define MILLISECOND ((uint64_t)1000000)
 #define FIRST_PAUSE (100 * MILLISECOND)
@@ -95,7 +95,7 @@ static void leave(struct _X_IPC_CONTEXT *context)
     source_init(&context->away->source, &away_kind, -1);
     wait_add(context->library, &context->away->source);
     report_note("Closed Connection Detected from: Central Server %s\n\n", context->server_name);
-    notify_connection(context, false);
+    watcher_tell_connection(context, false);
 }
 
 static void try_later(struct reconnect *away)
@@ -182,7 +182,7 @@ static void come_back(struct _X_IPC_CONTEXT *context)
     reconnect_end(context);
     receive_start(context);
     report_note("Connected again to: Central Server %s\n\n", context->server_name);
-    notify_connection(context, true);
+    watcher_tell_connection(context, true);
     context_connected(context);
 }
 

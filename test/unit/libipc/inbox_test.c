@@ -11,8 +11,8 @@
 #include <cmocka.h>
 
 #include "libipc/closing.h"
-#include "libipc/compat.h"
 #include "libipc/inbox.h"
+#include "libipc/report.h"
 
 struct fixture {
     struct library *library;
