@@ -10,7 +10,6 @@
 #include "libipc/exchange.h"
 #include "libipc/inbox.h"
 #include "libipc/wait.h"
-#include "libipc/watch_fd.h"
 
 IPC_RETURN_TYPE IPC_initialize(void)
 {

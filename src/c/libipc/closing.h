@@ -15,7 +15,8 @@ void closing_lost(struct _X_IPC_CONTEXT *context, bool noticed);
 /* Ends the context for good.  The new state is CONTEXT_LOST or CONTEXT_CLOSED. */
 void closing_end(struct _X_IPC_CONTEXT *context, enum context_state state);
 
-/* Tells central and ends; the context is a husk then.  tell_central false: this process's copy only. */
+/* Tells central and ends; the context is a husk then.  tell_central false: only this process's copy of
+ * the connection. */
 void closing_disconnect(struct _X_IPC_CONTEXT *context, bool tell_central);
 
 /* Frees what ended connections have left behind, where no callback of theirs runs any more. */

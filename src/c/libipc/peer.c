@@ -68,7 +68,6 @@ void peer_flush(struct peer *peer)
 void peer_drain(struct peer *peer, uint64_t mark)
 {
     struct _X_IPC_CONTEXT *context = peer->context;
-    (void)peer_ref(peer); /* the list may give up the last other reference */
     context->draining++;
     const bool broken = peer->link.fd >= 0 && link_flush(&peer->link) < 0;
     while (!broken && peer->link.fd >= 0 && peer->link.written < mark) {
@@ -78,5 +77,4 @@ void peer_drain(struct peer *peer, uint64_t mark)
     if (broken) {
         peer_end(peer);
     }
-    peer_unref(peer);
 }

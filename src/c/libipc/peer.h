@@ -43,7 +43,8 @@ void peer_end(struct peer *peer);
 /* Writes what waits to be written, as far as the kernel takes it. */
 void peer_flush(struct peer *peer);
 
-/* Waits until everything up to mark has left over the link, which may break meanwhile. */
+/* Waits until everything up to mark has left over the link, which may break meanwhile: the caller holds a
+ * reference. */
 void peer_drain(struct peer *peer, uint64_t mark);
 
 #endif

@@ -48,7 +48,8 @@ void wait_changed(struct library *library)
     event_set_update(library);
 }
 
-/* Writes what waits to be written, until that, or a loss, is what some thread waits for: whether it is. */
+/* Writes what waits to be written.  Stops where that, or a loss, is what some thread waits for, and returns
+ * whether it has. */
 static bool write_all(struct library *library)
 {
     struct list *position = library->sources.next;
@@ -84,7 +85,8 @@ uint64_t wait_due(const struct library *library)
 
 /* -------------------------------------------------------------------- waiting */
 
-/* Milliseconds until the deadline or the next timer, -1 for ever, rounded up so as not to wake early. */
+/* Milliseconds until the deadline or the next timer, -1 for ever, rounded up so as not to wake
+ * early. */
 static int64_t patience_ms(const struct library *library, uint64_t deadline_ns)
 {
     uint64_t until = deadline_ns;

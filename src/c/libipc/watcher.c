@@ -9,6 +9,13 @@
 #include "libipc/callback.h"
 #include "libipc/inbox.h"
 
+struct watcher {
+    struct list in_context; /* latest first */
+    watcher_function function;
+    void *client_data;
+    char *message; /* change watchers: which message, owned; else NULL */
+};
+
 static struct watcher *watcher_at(struct list *position)
 {
     return LIST_OWNER(position, struct watcher, in_context);
@@ -86,7 +93,7 @@ bool watcher_tell_change(struct _X_IPC_CONTEXT *context, const struct message *m
         return true;
     }
     watcher_queue_notice(context, frame->reference, &context->change_watchers,
-                 mem_copy_string(message->name), message->handlers.count);
+                         mem_copy_string(message->name), message->handlers.count);
     return false;
 }
 

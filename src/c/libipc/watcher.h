@@ -13,14 +13,8 @@
 /* CONNECT_HANDLE_TYPE, CHANGE_HANDLE_TYPE or IPCX_CONNECTION_HANDLER. */
 typedef void (*watcher_function)(void);
 
-struct watcher {
-    struct list in_context; /* latest first */
-    watcher_function function;
-    void *client_data;
-    char *message; /* change watchers: which message, owned; else NULL */
-};
-
-/* Adds one to a list of the context, or replaces its client data.  message: of change watchers, else NULL. */
+/* Adds one to a list of the context, or replaces its client data.  message: of change watchers, which;
+ * of others NULL. */
 void watcher_add(struct list *watchers, watcher_function function, const char *message,
                  void *client_data);
 
