@@ -44,7 +44,7 @@ struct _X_IPC_CONTEXT {
     struct list in_library;
     struct library *library;
     enum context_state state;
-    void (*lost)(struct _X_IPC_CONTEXT *context, bool noticed); /* closing_lost, once it may be */
+    void (*lost)(struct _X_IPC_CONTEXT *context, bool noticed); /* closing_lost; its maker sets it */
     bool unseen;           /* no program has got its address, and none does before it is connected */
     unsigned greeting;     /* parts of central's greeting taken so far, GREETING_PARTS: all */
     bool shown_as_lost;    /* the exit procedure runs for it: IPC_getContext gives it */
