@@ -489,3 +489,25 @@ CHECK_NEW(a_loss_is_told_once_however_many_threads_wait)
     EXPECT_INT(get(&n_losses), 1);
     EXPECT_INT(end_of_listening, IPC_Error);
 }
+
+static void *dispatch(void *argument)
+{
+    (void)argument;
+    EXPECT_INT(IPC_dispatch(), IPC_Error);
+    return NULL;
+}
+
+CHECK_NEW(a_thread_connects_while_another_waits_without_end)
+{
+    (void)connected();
+    struct central *second = central_start(NULL);
+    IPC_CONTEXT_PTR first = IPC_getContext();
+    pthread_t listener = thread_start(dispatch, NULL);
+    sleep_ms(100); /* it waits in the kernel by now, and for one connection only */
+    EXPECT_OK(IPC_connectModule("A", second->address));
+    EXPECT(IPC_getContext() != first);
+    EXPECT_OK(IPC_disconnect());
+    EXPECT_OK(IPC_setContext(first));
+    EXPECT_OK(IPC_disconnect());
+    pthread_join(listener, NULL);
+}

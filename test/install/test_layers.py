@@ -19,6 +19,23 @@ BELOW = {
     "shell": set(),
 }
 
+# The files of libipc from the ground up: each includes only files that stand before it.
+LIBIPC = """
+    library address report known_arrays
+    source event_set wait
+    context callback timer watch_fd
+    exchange peer formatter definition registry
+    define subscription instance inbox
+    receive watcher handler_watch notify deliver
+    direct queue publish
+    handshake reconnect
+    closing report_result
+    connect listen query
+    api shell
+    api_connect api_context api_format api_notify api_listen compat
+    api_extensions api_message api_query
+""".split()
+
 # Headers of operating systems: only platform/ may include them.
 SYSTEM = re.compile(r"^(sys/|netinet/|arpa/|net/|linux/|unistd|fcntl|poll|pthread|signal|netdb"
                     r"|dirent|pwd|grp|termios|winsock|windows|ws2|tcpd|semaphore|sched)")
@@ -45,6 +62,15 @@ def test_there_is_something_to_look_at():
 def test_every_part_includes_only_itself_and_parts_below():
     wrong = [f"{path} includes {header}" for part, path, header, quoted in includes()
              if quoted and header.split("/")[0] not in BELOW[part] | {part}]
+    assert not wrong
+
+
+def test_files_of_the_library_include_only_files_below():
+    def height(path):
+        return LIBIPC.index(os.path.splitext(os.path.basename(path))[0])
+    wrong = [f"{path} includes {header}" for part, path, header, _ in includes()
+             if part == "libipc" and header.startswith("libipc/")
+             and height(header) > height(path)]
     assert not wrong
 
 

@@ -3,9 +3,9 @@
  */
 #include "libipc/api.h"
 
-#include "libipc/event_set.h"
+#include "libipc/exchange.h"
+#include "libipc/inbox.h"
 #include "libipc/receive.h"
-#include "libipc/reconnect.h"
 #include "libipc/wait.h"
 
 /* Whether the connection is there.  A program that never listens gets it back by its calls, and what
@@ -17,7 +17,7 @@ static bool is_there(struct _X_IPC_CONTEXT *context)
     } else if (context->reconnect == IPCX_RECONNECT_WAIT) {
         (void)receive(context); /* a loss shows in the context's state */
     }
-    return reconnect_await(context);
+    return exchange_await_central(context);
 }
 
 IPC_ERROR_TYPE api_enter(struct api *api)
@@ -33,20 +33,20 @@ IPC_ERROR_TYPE api_enter(struct api *api)
 IPC_ERROR_TYPE api_enter_live(struct api *api)
 {
     api->library = library_enter();
-    api->context = library_live(api->library);
+    api->context = context_current_live(api->library);
     return api->context != NULL ? IPC_No_Error : IPC_Not_Connected;
 }
 
 IPC_ERROR_TYPE api_enter_to_marshall(struct api *api)
 {
     const IPC_ERROR_TYPE error = api_enter(api);
-    return library_is_ready(api->library) ? error : IPC_Not_Initialized;
+    return api->library->initialised ? error : IPC_Not_Initialized;
 }
 
 IPC_RETURN_TYPE api_leave(struct api *api, IPC_ERROR_TYPE error)
 {
     struct _X_IPC_CONTEXT *lost = context_take_loss(api->library, false);
-    event_set_tell(api->library); /* the call may have taken in messages */
+    inbox_tell(api->library); /* the call may have taken in messages */
     library_leave(api->library);
     if (lost == NULL) {
         return report(error);

@@ -5,7 +5,7 @@
 #define IPC_LIBIPC_API_H
 
 #include "libipc/context.h"
-#include "libipc/report.h"
+#include "libipc/report_result.h"
 
 /* An API call under way: the lock is held from api_enter to api_leave. */
 struct api {

@@ -4,14 +4,12 @@
 #include <stdio.h>
 
 #include "libipc/api.h"
-#include "libipc/compat.h"
+#include "libipc/closing.h"
 #include "libipc/connect.h"
 #include "libipc/direct.h"
-#include "libipc/event_set.h"
 #include "libipc/exchange.h"
 #include "libipc/inbox.h"
 #include "libipc/wait.h"
-#include "libipc/watch_fd.h"
 
 IPC_RETURN_TYPE IPC_initialize(void)
 {
@@ -44,11 +42,11 @@ IPC_RETURN_TYPE IPC_connectNoListen(const char *taskName)
 IPC_RETURN_TYPE IPC_disconnect(void)
 {
     struct library *library = library_enter();
-    struct _X_IPC_CONTEXT *context = library_context(library);
+    struct _X_IPC_CONTEXT *context = context_current(library);
     if (context != NULL) {
-        disconnect(context, true);
+        closing_disconnect(context, true);
     }
-    if (!library_any_live(library)) {
+    if (!context_any_live(library)) {
         library->initialised = false;
     }
     library_leave(library);
@@ -58,12 +56,12 @@ IPC_RETURN_TYPE IPC_disconnect(void)
 int IPC_isConnected(void)
 {
     struct library *library = library_enter();
-    const struct _X_IPC_CONTEXT *context = library_live(library);
+    const struct _X_IPC_CONTEXT *context = context_current_live(library);
     if (context != NULL && context->away != NULL) {
         wait_turn(library, clock_ns()); /* a program that asks again and again sees it come back */
-        event_set_tell(library);
+        inbox_tell(library);
     }
-    const int connected = library_connected(library) != NULL;
+    const int connected = context_current_connected(library) != NULL;
     library_leave(library);
     return connected;
 }
@@ -89,21 +87,15 @@ struct connections {
     fd_set set;
 };
 
-static void add_fd(struct connections *connections, int fd)
+static void add_fd(void *connections_pointer, int fd)
 {
+    struct connections *connections = connections_pointer;
     if (fd >= 0 && fd < FD_SETSIZE) {
         FD_SET(fd, &connections->set);
     }
     if (fd > connections->library->max_fd) {
         connections->library->max_fd = fd;
     }
-}
-
-static void add_direct(void *connections, int fd, int wanted, struct _X_IPC_CONTEXT *context)
-{
-    (void)wanted;
-    (void)context;
-    add_fd(connections, fd);
 }
 
 fd_set IPC_getConnections(void)
@@ -115,9 +107,9 @@ fd_set IPC_getConnections(void)
         connections.library = api.library;
         struct list *position = api.library->watched_fds.next;
         add_fd(&connections, api.context->link.fd);
-        direct_each_fd(api.context, add_direct, &connections);
+        direct_each_fd(api.context, add_fd, &connections);
         for (; position != &api.library->watched_fds; position = position->next) {
-            add_fd(&connections, LIST_OWNER(position, struct watched_fd, in_library)->fd);
+            add_fd(&connections, source_at(position)->fd);
         }
         if (inbox_first(api.context) != NULL) {
             /* A program that waits for these descriptors must not sleep over messages that are

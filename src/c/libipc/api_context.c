@@ -11,7 +11,7 @@
 IPC_CONTEXT_PTR IPC_getContext(void)
 {
     struct library *library = library_enter();
-    struct _X_IPC_CONTEXT *context = library_context(library);
+    struct _X_IPC_CONTEXT *context = context_current(library);
     if (context != NULL && !context_is_live(context) && !context->shown_as_lost) {
         context = NULL;
     }

@@ -3,13 +3,12 @@
  */
 #include "ipc/ipcx.h"
 
-#include <stdlib.h>
-
 #include "libipc/api.h"
+#include "libipc/closing.h"
 #include "libipc/event_set.h"
 #include "libipc/formatter.h"
+#include "libipc/inbox.h"
 #include "libipc/notify.h"
-#include "libipc/reconnect.h"
 #include "libipc/shell.h"
 #include "libipc/wait.h"
 
@@ -21,37 +20,46 @@ int IPCx_fd(void)
 {
     struct library *library = library_enter();
     const int fd = event_set_descriptor(library);
+    inbox_tell(library);
     library_leave(library);
     return fd;
 }
 
 int IPCx_descriptors(IPCX_DESCRIPTOR *list, int room)
 {
-    struct ready_item *items;
+    struct source_list sources;
+    int count = 0;
     struct library *library = library_enter();
-    const int n_items = (int)wait_list(library, &items);
-    for (int i = 0; i < n_items && i < room && list != NULL; i++) {
-        list[i].fd = items[i].fd;
-        list[i].events = (items[i].wanted & READY_READ ? IPCX_READ : 0) |
-                         (items[i].wanted & READY_WRITE ? IPCX_WRITE : 0);
+    event_set_list(library, &sources);
+    for (size_t i = 0; i < sources.count; i++) {
+        const struct ready_item *item = &sources.items[i];
+        if (item->fd < 0) {
+            continue;
+        }
+        if (count < room && list != NULL) {
+            list[count].fd = item->fd;
+            list[count].events = (item->wanted & READY_READ ? IPCX_READ : 0) |
+                                 (item->wanted & READY_WRITE ? IPCX_WRITE : 0);
+        }
+        count++;
     }
+    source_list_fini(&sources);
     library_leave(library);
-    free(items);
-    return n_items;
+    return count;
 }
 
 long IPCx_nextTimeout(void)
 {
     struct library *library = library_enter();
-    const bool waiting = event_set_is_waiting(library);
-    const uint64_t again = reconnect_due(library);
+    const bool waiting = inbox_is_any_waiting(library);
+    const uint64_t again = wait_due(library);
     const uint64_t due = again < library->next_timer_ns ? again : library->next_timer_ns;
     library_leave(library);
     const uint64_t now = clock_ns();
     if (waiting || due <= now) {
         return 0;
     }
-    return due == UINT64_MAX ? -1 : (long)((due - now + 999999u) / 1000000u);
+    return due == NO_DEADLINE ? -1 : (long)((due - now + 999999u) / 1000000u);
 }
 
 IPC_RETURN_TYPE IPCx_process(void)
@@ -63,6 +71,7 @@ IPC_RETURN_TYPE IPCx_process(void)
     }
     struct library *library = library_enter();
     event_set_update(library);
+    inbox_tell(library);
     library_leave(library);
     return result == IPC_Error ? IPC_Error : first;
 }
@@ -73,7 +82,7 @@ IPC_RETURN_TYPE IPCx_unmarshallN(FORMATTER_PTR formatter, BYTE_ARRAY byteArray,
     const struct format *format = formatter_format(formatter);
     const struct format_source source = {byteArray, length, byte_order_of_host()};
     struct library *library = library_enter();
-    const bool ready = library_is_ready(library);
+    const bool ready = library->initialised;
     library_leave(library);
     if (!ready) {
         return report(IPC_Not_Initialized);
@@ -112,7 +121,11 @@ IPC_RETURN_TYPE IPCx_setReconnect(IPCX_RECONNECT mode)
     }
     const IPC_ERROR_TYPE error = api_enter_live(&api);
     if (error == IPC_No_Error) {
-        reconnect_set(api.context, mode);
+        api.context->reconnect = mode;
+        if (mode == IPCX_RECONNECT_NEVER && api.context->away != NULL) {
+            closing_end(api.context, CONTEXT_CLOSED);
+        }
+        wait_changed(api.library); /* calls that wait look again */
     }
     return api_leave(&api, error);
 }

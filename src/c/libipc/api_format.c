@@ -15,7 +15,7 @@
 static IPC_ERROR_TYPE check(const struct format *format)
 {
     struct library *library = library_enter();
-    const bool ready = library_is_ready(library);
+    const bool ready = library->initialised;
     library_leave(library);
     if (!ready) {
         return IPC_Not_Initialized;
@@ -42,7 +42,7 @@ FORMATTER_PTR IPC_parseFormat(const char *formatString)
         return NULL;
     }
     (void)api_enter(&api); /* a connection helps with unknown names, no more */
-    if (!library_is_ready(api.library)) {
+    if (!api.library->initialised) {
         error = IPC_Not_Initialized;
     } else if (formatter_parse(api.library, formatString, &format) != FORMATTER_OK) {
         error = IPC_Illegal_Formatter;
@@ -58,7 +58,7 @@ IPC_RETURN_TYPE IPC_defineFormat(const char *formatName, const char *formatStrin
     }
     (void)api_enter(&api); /* without a connection the definition stays local */
     IPC_ERROR_TYPE error = IPC_Not_Connected;
-    if (library_is_ready(api.library)) {
+    if (api.library->initialised) {
         error = formatString == NULL
                     ? IPC_Null_Argument
                     : define_format(api.library, api.context, formatName, formatString);

@@ -21,7 +21,7 @@ IPC_RETURN_TYPE IPC_respond(MSG_INSTANCE msgInstance, const char *msgName, unsig
         return report(IPC_Null_Argument);
     }
     (void)api_enter_live(&api); /* the instance's context counts, not the current one */
-    IPC_ERROR_TYPE error = library_any_live(api.library) ? IPC_No_Error : IPC_Not_Connected;
+    IPC_ERROR_TYPE error = context_any_live(api.library) ? IPC_No_Error : IPC_Not_Connected;
     if (error == IPC_No_Error) {
         error = query_respond(api.library, msgInstance, msgName, length, content);
     }
@@ -66,7 +66,7 @@ IPC_RETURN_TYPE IPC_respondData(MSG_INSTANCE msgInstance, const char *msgName, v
         return report(IPC_Null_Argument);
     }
     (void)api_enter_live(&api); /* the instance's context counts, not the current one */
-    IPC_ERROR_TYPE error = library_any_live(api.library) ? IPC_No_Error : IPC_Not_Connected;
+    IPC_ERROR_TYPE error = context_any_live(api.library) ? IPC_No_Error : IPC_Not_Connected;
     if (error == IPC_No_Error) {
         error = respond_data(&api, msgInstance, msgName, dataptr);
     }

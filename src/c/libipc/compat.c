@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "libipc/api.h"
+#include "libipc/closing.h"
 #include "libipc/connect.h"
 #include "libipc/formatter.h"
 #include "libipc/timer.h"
@@ -13,9 +14,7 @@
 void x_ipcRegisterExitProc(void (*procedure)(void))
 {
     struct library *library = library_enter();
-    if (!library_any_live(library)) {
-        library_initialise(library);
-    }
+    library_initialise(library);
     library->exit_procedure = procedure;
     library_leave(library);
 }
@@ -39,7 +38,7 @@ int x_ipcGetMaxConnection(void)
 int x_ipcGetServer(void)
 {
     struct library *library = library_enter();
-    const struct _X_IPC_CONTEXT *context = library_connected(library);
+    const struct _X_IPC_CONTEXT *context = context_current_connected(library);
     const int fd = context != NULL ? context->link.fd : -1;
     library_leave(library);
     return fd;
@@ -53,9 +52,9 @@ unsigned long x_ipc_timeInMsecs(void)
 void x_ipcCloseInternal(int informServer)
 {
     struct library *library = library_enter();
-    struct _X_IPC_CONTEXT *context = library_context(library);
+    struct _X_IPC_CONTEXT *context = context_current(library);
     if (context != NULL) {
-        disconnect(context, informServer != 0);
+        closing_disconnect(context, informServer != 0);
     }
     library_leave(library);
 }

@@ -2,7 +2,7 @@
  * Symbols beyond ipc.h that existing programs declare by hand and link with.
  *
  * They are thin forwards to the API and are shown by the library for these
- * programs alone.
+ * programs alone.  Two variables of the same kind are in report.h.
  */
 #ifndef IPC_LIBIPC_COMPAT_H
 #define IPC_LIBIPC_COMPAT_H
@@ -14,9 +14,6 @@
 #if defined(__GNUC__) && !defined(_WIN32)
 #pragma GCC visibility push(default)
 #endif
-
-extern IPC_VERBOSITY_TYPE ipcVerbosity;          /* assigning to it is IPC_setVerbosity */
-extern const char *ipcErrorStrings[NUM_ERRORS];  /* texts of IPC_errno */
 
 /* Registers what is called instead of exit when the library would end the process; NULL: nothing. */
 void x_ipcRegisterExitProc(void (*procedure)(void));

@@ -1,5 +1,5 @@
 /*
- * Connecting to central for the first time, and leaving it.
+ * Connecting to central for the first time.
  */
 #include "libipc/connect.h"
 
@@ -8,9 +8,11 @@
 
 #include "base/error.h"
 #include "libipc/address.h"
-#include "libipc/exchange.h"
+#include "libipc/closing.h"
 #include "libipc/handshake.h"
-#include "libipc/report.h"
+#include "libipc/inbox.h"
+#include "libipc/receive.h"
+#include "libipc/report_result.h"
 #include "libipc/wait.h"
 
 enum { N_TRIES = 5, PAUSE_MS = 1000, CONNECT_TIMEOUT_MS = 10000 };
@@ -63,14 +65,17 @@ static enum try_result try_once(const char *module, const char *server, bool wil
     struct library *library = library_enter();
     struct _X_IPC_CONTEXT *context =
         context_new(library, fd, module, server, address->port, will_listen);
+    context->lost = closing_lost;
     context->local = local;
     net_peer_address(fd, context->address, sizeof context->address);
+    receive_start(context);
     const enum try_result result = shake_hands(context);
     if (result == TRY_OK) {
         make_current(library, context);
     } else {
-        context_discard(context);
+        closing_end(context, CONTEXT_CLOSED); /* nobody has seen it */
     }
+    inbox_tell(library); /* other connections may have brought something meanwhile */
     library_leave(library);
     return result;
 }
@@ -87,7 +92,7 @@ static enum already look_for_connection(const char *server, bool will_listen, in
     enum already already = ALREADY_NOT;
     struct library *library = library_enter();
     library_initialise(library);
-    struct _X_IPC_CONTEXT *context = library_live(library);
+    struct _X_IPC_CONTEXT *context = context_current_live(library);
     if (context != NULL && strcmp(context->server_name, server) == 0) {
         context->will_listen = will_listen;
         *port = context->port;
@@ -96,6 +101,7 @@ static enum already look_for_connection(const char *server, bool will_listen, in
             wait_turn(library, deadline);
         }
         already = context_is_connected(context) ? ALREADY_CONNECTED : ALREADY_AWAY;
+        inbox_tell(library);
     }
     library_leave(library);
     return already;
@@ -172,32 +178,4 @@ IPC_RETURN_TYPE connect_module(const char *module, const char *server, bool will
         return IPC_OK;
     }
     return try_often(module, server, by_default, will_listen);
-}
-
-/* ---------------------------------------------------------------------- leaving */
-
-/* Unread bytes would make the kernel reset the connection, and the last words could be lost. */
-static void read_rest(struct _X_IPC_CONTEXT *context)
-{
-    bool more = true;
-    while (more && link_read(&context->link, &more) > 0) {
-        context->link.reader.start = context->link.reader.end;
-    }
-}
-
-void disconnect(struct _X_IPC_CONTEXT *context, bool tell_central)
-{
-    context->reconnect = IPCX_RECONNECT_NEVER; /* whatever this finds is no loss any more */
-    if (context_is_open(context) && !tell_central) {
-        net_close_copy(context->link.fd);
-        context->link.fd = -1;
-    } else if (context_is_connected(context)) {
-        if (context->library_ids[LM_CLOSE] != 0) {
-            (void)exchange_queue_notice(context, context->library_ids[LM_CLOSE], NULL, NULL);
-        }
-        if (exchange_flush(context) == IPC_No_Error) {
-            read_rest(context);
-        }
-    }
-    context_close(context, CONTEXT_CLOSED);
 }

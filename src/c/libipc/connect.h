@@ -1,5 +1,5 @@
 /*
- * Connecting to central, and leaving it.
+ * Connecting to central for the first time.
  */
 #ifndef IPC_LIBIPC_CONNECT_H
 #define IPC_LIBIPC_CONNECT_H
@@ -9,8 +9,5 @@
 /* Connects as a module of that name; server NULL or empty: CENTRALHOST, or this host.  Called
  * without the lock, since it waits; returns the result of the API call. */
 IPC_RETURN_TYPE connect_module(const char *module, const char *server, bool will_listen);
-
-/* Tells central and closes; the context is a husk then.  tell_central false: this process's copy only. */
-void disconnect(struct _X_IPC_CONTEXT *context, bool tell_central);
 
 #endif

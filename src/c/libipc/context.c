@@ -1,5 +1,5 @@
 /*
- * Contexts: making, closing, and what is left of them.
+ * Contexts: making and finding them.
  */
 #include "libipc/context.h"
 
@@ -7,14 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "libipc/direct.h"
-#include "libipc/inbox.h"
-#include "libipc/notify.h"
-#include "libipc/reconnect.h"
-#include "libipc/registry.h"
-#include "libipc/subscription.h"
-#include "libipc/timer.h"
-#include "libipc/watch_fd.h"
+#include "libipc/wait.h"
 
 /* A husk that no program has ever seen, left by a failed handshake, or a new one. */
 static struct _X_IPC_CONTEXT *context_allocate(struct library *library)
@@ -47,6 +40,7 @@ struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *
     context->reconnect = library->reconnect;
     context->capacity = 1;
     link_init(&context->link, fd, FROM_CENTRAL);
+    source_init(&context->source, NULL, -1);
     intmap_init(&context->awaited);
     table_init(&context->messages, TABLE_FOLDING);
     table_init(&context->handlers, TABLE_FOLDING);
@@ -55,7 +49,8 @@ struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *
     list_init(&context->inbox);
     list_init(&context->delayed);
     table_init(&context->broadcasts, TABLE_FOLDING);
-    context->direct_tcp = -1;
+    source_init(&context->direct_tcp, NULL, -1);
+    source_init(&context->direct_unix, NULL, -1);
     context->direct_local.fd = -1;
     list_init(&context->peers);
     list_init(&context->connect_watchers);
@@ -66,19 +61,15 @@ struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *
     return context;
 }
 
-void context_discard(struct _X_IPC_CONTEXT *context)
-{
-    context_close(context, CONTEXT_CLOSED);
-}
-
 void context_connected(struct _X_IPC_CONTEXT *context)
 {
     struct library *library = context->library;
     context->state = CONTEXT_CONNECTED;
+    library->initialised = true; /* another context may have ended meanwhile, and that with it */
     if (context->link.fd > library->max_fd) {
         library->max_fd = context->link.fd;
     }
-    library_changed(library);
+    wait_changed(library);
 }
 
 bool context_is_known(const struct library *library, const struct _X_IPC_CONTEXT *pointer)
@@ -105,90 +96,10 @@ void context_acknowledge(struct _X_IPC_CONTEXT *context, int32_t dispatch)
     context->unfinished--;
 }
 
-/* Everybody who waits for an answer is told that none will come. */
-static void fail_awaited(struct _X_IPC_CONTEXT *context)
-{
-    for (size_t i = 0; i < context->awaited.n_slots; i++) {
-        struct awaited *awaited = context->awaited.slots[i].value;
-        if (awaited == NULL) {
-            continue;
-        }
-        awaited->failed = true;
-        if (awaited->notify) {
-            free(awaited);
-        }
-    }
-    intmap_fini(&context->awaited);
-    intmap_init(&context->awaited);
-}
-
-static void free_delayed(struct _X_IPC_CONTEXT *context)
-{
-    while (!list_is_empty(&context->delayed)) {
-        instance_free(LIST_OWNER(context->delayed.next, struct instance, in_queue));
-    }
-}
-
-void context_drop_connection(struct _X_IPC_CONTEXT *context)
-{
-    link_fini(&context->link);
-    fail_awaited(context);
-    free_delayed(context);
-    direct_close(context);
-}
-
-void context_close(struct _X_IPC_CONTEXT *context, enum context_state state)
-{
-    struct library *library = context->library;
-    if (context_has_ended(context)) {
-        if (context->state == CONTEXT_LOST) {
-            context->state = state;
-        }
-        return;
-    }
-    const bool seen = !context->unseen;
-    const bool open = context_is_open(context);
-    context->state = state;
-    if (open) {
-        context_drop_connection(context);
-    }
-    reconnect_end(context);
-    inbox_clear(context);
-    context_settle(context);
-    if (seen && !library_any_live(library)) {
-        timer_clear(library);
-        watch_fd_clear(library);
-        library->initialised = false;
-    }
-    library_changed(library);
-}
-
-void context_settle(struct _X_IPC_CONTEXT *context)
-{
-    if (!context_has_ended(context) || context->turn.depth > 0) {
-        return;
-    }
-    notify_clear(context);
-    subscription_clear(context);
-    registry_clear(context);
-    table_fini(&context->broadcasts);
-    table_init(&context->broadcasts, TABLE_FOLDING);
-    intmap_fini(&context->awaited);
-    intmap_init(&context->awaited);
-    free(context->module_name);
-    context->module_name = NULL;
-}
-
 void context_lose(struct _X_IPC_CONTEXT *context, bool noticed)
 {
-    if (!context_is_open(context)) {
-        return;
-    }
-    if (!context->unseen && context->reconnect != IPCX_RECONNECT_NEVER) {
-        reconnect_begin(context);
-    } else {
-        context->loss_noticed = noticed;
-        context_close(context, context->unseen ? CONTEXT_CLOSED : CONTEXT_LOST);
+    if (context_is_open(context)) {
+        context->lost(context, noticed);
     }
 }
 
@@ -203,4 +114,40 @@ struct _X_IPC_CONTEXT *context_take_loss(struct library *library, bool all)
         }
     }
     return NULL;
+}
+
+/* ---------------------------------------------------------------- the current one */
+
+struct _X_IPC_CONTEXT *context_current(const struct library *library)
+{
+    const struct running *running = library_running(library);
+    return running != NULL && running->context != NULL ? running->context : library->current;
+}
+
+struct _X_IPC_CONTEXT *context_if_live(struct _X_IPC_CONTEXT *context)
+{
+    return context != NULL && context_is_live(context) ? context : NULL;
+}
+
+struct _X_IPC_CONTEXT *context_current_live(const struct library *library)
+{
+    return context_if_live(context_current(library));
+}
+
+struct _X_IPC_CONTEXT *context_current_connected(const struct library *library)
+{
+    struct _X_IPC_CONTEXT *context = context_current(library);
+    return context != NULL && context_is_connected(context) ? context : NULL;
+}
+
+bool context_any_live(const struct library *library)
+{
+    struct list *position;
+    struct list *following;
+    LIST_EACH (position, following, &library->contexts) {
+        if (context_is_live(context_at(position))) {
+            return true;
+        }
+    }
+    return false;
 }

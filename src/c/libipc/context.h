@@ -11,7 +11,7 @@
 #ifndef IPC_LIBIPC_CONTEXT_H
 #define IPC_LIBIPC_CONTEXT_H
 
-#include "libipc/library.h"
+#include "libipc/source.h"
 #include "link/link.h"
 
 struct reconnect;
@@ -44,6 +44,7 @@ struct _X_IPC_CONTEXT {
     struct list in_library;
     struct library *library;
     enum context_state state;
+    void (*lost)(struct _X_IPC_CONTEXT *context, bool noticed); /* closing_lost; its maker sets it */
     bool unseen;           /* no program has got its address, and none does before it is connected */
     unsigned greeting;     /* parts of central's greeting taken so far, GREETING_PARTS: all */
     bool shown_as_lost;    /* the exit procedure runs for it: IPC_getContext gives it */
@@ -60,6 +61,7 @@ struct _X_IPC_CONTEXT {
     bool new_central;      /* central of this project: its promises may be relied on */
 
     struct link link;
+    struct source source;  /* of the link, once that is waited for (receive_start) */
     unsigned writers;      /* threads that wait for what they have queued to be written */
     bool try_first;        /* the last attempt to read found something */
     int32_t last_reference;
@@ -86,8 +88,9 @@ struct _X_IPC_CONTEXT {
 
     bool direct;                   /* central wants modules to be linked with each other */
     int direct_port;               /* where others reach this module, 0: nowhere */
-    int direct_tcp;                /* listeners, -1: none */
-    struct net_local direct_local;
+    struct source direct_tcp;      /* listeners, fd -1: none */
+    struct source direct_unix;
+    struct net_local direct_local; /* the latter's file */
     struct list peers;             /* of struct peer */
     unsigned draining;             /* threads that wait for a peer to take bytes */
 
@@ -100,9 +103,6 @@ struct _X_IPC_CONTEXT {
 /* A context in state connecting over that socket; the current one stays what it is. */
 struct _X_IPC_CONTEXT *context_new(struct library *library, int fd, const char *module_name,
                                    const char *server_name, int port, bool will_listen);
-
-/* Undoes context_new after a failed handshake; nobody has seen the context. */
-void context_discard(struct _X_IPC_CONTEXT *context);
 
 static inline bool context_is_connected(const struct _X_IPC_CONTEXT *context)
 {
@@ -146,17 +146,23 @@ void context_acknowledge(struct _X_IPC_CONTEXT *context, int32_t dispatch);
 /* Whether pointer is a context of this library, closed or not. */
 bool context_is_known(const struct library *library, const struct _X_IPC_CONTEXT *pointer);
 
-/* Closes the sockets of an open context, drops what is queued, fails whoever waits.  The state is the
- * caller's. */
-void context_drop_connection(struct _X_IPC_CONTEXT *context);
+/* The context that calls of this thread act on: NULL in state fresh; may be closed. */
+struct _X_IPC_CONTEXT *context_current(const struct library *library);
 
-/* Ends the context for good.  The new state is CONTEXT_LOST or CONTEXT_CLOSED. */
-void context_close(struct _X_IPC_CONTEXT *context, enum context_state state);
+/* The same if it is connected, else NULL. */
+struct _X_IPC_CONTEXT *context_current_connected(const struct library *library);
 
-/* Frees what the connection left behind, once no callback of it runs any more. */
-void context_settle(struct _X_IPC_CONTEXT *context);
+/* The same if it is connected or going to be again, else NULL. */
+struct _X_IPC_CONTEXT *context_current_live(const struct library *library);
 
-/* The connection broke, which ends the context unless it is to come back.  noticed: found by a call that may report it right away. */
+/* context (may be NULL) if it is connected or going to be again, else NULL. */
+struct _X_IPC_CONTEXT *context_if_live(struct _X_IPC_CONTEXT *context);
+
+/* Whether any context is connected or going to be again. */
+bool context_any_live(const struct library *library);
+
+/* The connection of an open context broke: what depends on it is told (context->lost).  noticed: found
+ * by a call that may report it right away. */
 void context_lose(struct _X_IPC_CONTEXT *context, bool noticed);
 
 /* A lost context that is to be reported now, which closes it; NULL: none.  all: also those that

@@ -3,18 +3,15 @@
  */
 #include "libipc/define.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/error.h"
 #include "base/limits.h"
-#include "base/memory.h"
+#include "libipc/definition.h"
 #include "libipc/exchange.h"
 #include "libipc/formatter.h"
 #include "libipc/registry.h"
 #include "libipc/report.h"
-
-#define VARIABLE_WIRE "{int, <byte:1>}"
 
 /* Whether length and format fit each other; the format is parsed to know its size. */
 static IPC_ERROR_TYPE check(struct library *library, unsigned int length, const char *text)
@@ -61,90 +58,15 @@ static void renew(struct _X_IPC_CONTEXT *context, const char *name, unsigned int
     registry_renew(message);
 }
 
-/* ---------------------------------------------------------------- definitions */
-
-/* What this module has said of a message, as central is told it. */
-struct definition {
-    char *name;    /* in this spelling */
-    char *wire;    /* NULL: no data */
-    char *content; /* NULL: no format */
-};
-
-/* The text of the frame's format; the caller frees it. */
-static char *wire_text(unsigned int length)
-{
-    char fixed[32];
-    snprintf(fixed, sizeof fixed, "[byte:%u]", length);
-    return length == 0 ? NULL : mem_copy_string(length == IPC_VARIABLE_LENGTH ? VARIABLE_WIRE : fixed);
-}
-
-static struct definition *definition_new(struct library *library, const char *name,
-                                         unsigned int length, const char *text)
-{
-    struct definition *definition = mem_new(sizeof *definition);
-    definition->name = mem_copy_string(name);
-    definition->wire = wire_text(length);
-    definition->content = formatter_portable(library, text);
-    return definition;
-}
-
-static void definition_free(struct definition *definition)
-{
-    if (definition != NULL) {
-        free(definition->name);
-        free(definition->wire);
-        free(definition->content);
-        free(definition);
-    }
-}
-
-static struct message_definition notice_of(const struct definition *definition)
-{
-    const struct message_definition notice = {definition->name, CLASS_BROADCAST, definition->wire,
-                                              definition->content};
-    return notice;
-}
-
-void define_forget(struct message *message)
-{
-    definition_free(message->definition);
-    message->definition = NULL;
-}
-
 void define_tell_all(struct _X_IPC_CONTEXT *context)
 {
     struct table_entry *entry = table_first(&context->messages);
     for (; entry != NULL; entry = table_next(&context->messages, entry)) {
         const struct message *message = entry->value;
         if (message->definition != NULL) {
-            const struct message_definition notice = notice_of(message->definition);
-            exchange_tell(context, LM_DEFINE_MESSAGE, &notice);
+            definition_tell(context, message->definition);
         }
     }
-}
-
-/* With texts of its own: sending may wait, and another thread define the message meanwhile. */
-static IPC_ERROR_TYPE send(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
-                           const char *text)
-{
-    struct definition *definition = definition_new(context->library, name, length, text);
-    const struct message_definition notice = notice_of(definition);
-    const IPC_ERROR_TYPE error = exchange_notice(context, LM_DEFINE_MESSAGE, &notice);
-    definition_free(definition);
-    return error;
-}
-
-IPC_ERROR_TYPE define_again(struct _X_IPC_CONTEXT *context, const struct message *message)
-{
-    const unsigned int length = message->wire == WIRE_NONE    ? 0
-                                : message->wire == WIRE_FIXED ? (unsigned int)message->fixed_length
-                                                              : IPC_VARIABLE_LENGTH;
-    char *text = message->content != NULL ? format_canonical(message->content) : NULL;
-    const IPC_ERROR_TYPE error = format_is_bad(message->content)
-                                     ? IPC_Illegal_Formatter
-                                     : send(context, message->name, length, text);
-    free(text);
-    return error;
 }
 
 IPC_ERROR_TYPE define_message(struct _X_IPC_CONTEXT *context, const char *name,
@@ -157,9 +79,9 @@ IPC_ERROR_TYPE define_message(struct _X_IPC_CONTEXT *context, const char *name,
     }
     renew(context, name, length, text);
     struct message *message = registry_get(context, name);
-    define_forget(message);
+    definition_free(message->definition);
     message->definition = definition_new(library, name, length, text);
-    return send(context, name, length, text);
+    return definition_send(context, name, length, text);
 }
 
 IPC_ERROR_TYPE define_format(struct library *library, struct _X_IPC_CONTEXT *context,

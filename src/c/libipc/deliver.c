@@ -7,10 +7,11 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "libipc/callback.h"
 #include "libipc/known_arrays.h"
-#include "libipc/notify.h"
 #include "libipc/report.h"
 #include "libipc/subscription.h"
+#include "libipc/watcher.h"
 
 /* What is handed to the handler. */
 struct handed {
@@ -84,7 +85,7 @@ static int call(struct instance *instance, struct handed *handed)
     struct _X_IPC_CONTEXT *context = instance->context;
     struct library *library = context->library;
     const MSG_INSTANCE handle = instance_handle(instance);
-    struct running running = library_call(library, context, instance->dispatch);
+    struct running running = callback_of(library, context, instance->dispatch);
     struct array_mark mark = {0, 0, 0, ORDER_LITTLE, {0}, {0}};
     instance->running = true;
     if (handed->format == NULL && instance->content != NULL) {
@@ -93,7 +94,7 @@ static int call(struct instance *instance, struct handed *handed)
         running.content_length = instance->length;
         running.content_order = instance->order;
     }
-    library_call_begin(library, &running);
+    callback_begin(library, &running);
     const int error = decode(instance, handed);
     if (error == 0) {
         if (handed->decoded) {
@@ -102,7 +103,7 @@ static int call(struct instance *instance, struct handed *handed)
         instance->content = NULL;
         handed->function(handle, handed->data, handed->client_data);
     }
-    library_call_end(library, &running);
+    callback_end(library, &running);
     instance->running = false;
     if (error == 0 && running.content != NULL) {
         /* The handler has kept the bytes and may unmarshall them later, or has freed them itself. */
@@ -121,7 +122,6 @@ static void finish(struct instance *instance)
     }
     instance_acknowledge(instance);
     instance_free(instance);
-    context_settle(context);
 }
 
 static void warn_undecodable(const struct instance *instance)
@@ -159,7 +159,7 @@ void deliver(struct instance *instance)
 {
     instance_activate(instance);
     if (instance->kind == INSTANCE_NOTICE) {
-        notify_run(instance);
+        watcher_run(instance);
     } else {
         deliver_message(instance);
     }

@@ -11,6 +11,7 @@
 #include "libipc/address.h"
 #include "libipc/exchange.h"
 #include "libipc/handler_watch.h"
+#include "libipc/peer.h"
 #include "libipc/receive.h"
 #include "libipc/report.h"
 #include "libipc/wait.h"
@@ -22,96 +23,119 @@ enum {
     MAX_INBOX_BYTES = 64 * 1024 * 1024 /* with more, others have to wait until some is handled */
 };
 
-static struct peer *peer_at(struct list *position)
-{
-    return LIST_OWNER(position, struct peer, in_context);
-}
-
 /* ----------------------------------------------------------------------- peers */
 
-static struct peer *peer_new(struct _X_IPC_CONTEXT *context, int fd, bool incoming)
+static struct peer *peer_of(const struct source *source)
 {
-    struct peer *peer = mem_new(sizeof *peer);
-    peer->context = context;
-    peer->incoming = incoming;
-    peer->references = 1;
-    link_init(&peer->link, fd, FROM_PEER);
-    list_append(&context->peers, &peer->in_context);
-    if (fd > context->library->max_fd) {
-        context->library->max_fd = fd;
+    return LIST_OWNER(source, struct peer, source);
+}
+
+static int wanted_from_peer(const struct source *source)
+{
+    const struct peer *peer = peer_of(source);
+    const struct _X_IPC_CONTEXT *context = peer->context;
+    const bool full = context->inbox_bytes > MAX_INBOX_BYTES && context->draining == 0;
+    return (full ? 0 : READY_READ) | (link_waiting(&peer->link) > 0 ? READY_WRITE : 0);
+}
+
+static void take_found(struct source *source, int found)
+{
+    struct peer *peer = peer_ref(peer_of(source));
+    if (found & READY_WRITE) {
+        peer_flush(peer);
     }
-    return peer;
-}
-
-struct peer *peer_ref(struct peer *peer)
-{
-    peer->references++;
-    return peer;
-}
-
-void peer_unref(struct peer *peer)
-{
-    if (peer != NULL && --peer->references == 0) {
-        free(peer->host);
-        free(peer);
-    }
-}
-
-/* Takes a peer off the list; who still refers to it sees that its link is closed. */
-static void peer_forget(struct peer *peer)
-{
-    list_remove(&peer->in_context);
-    peer_unref(peer);
-}
-
-void direct_peer_ended(struct peer *peer)
-{
-    if (peer->link.fd >= 0) {
-        report_warning("Closed Connection Detected from: Module: sd: %d:\n", peer->link.fd);
-        link_fini(&peer->link); /* the next wait forgets the peer */
-    }
-}
-
-static void peer_flush(struct peer *peer)
-{
-    if (peer->link.fd >= 0 && link_flush(&peer->link) < 0) {
-        direct_peer_ended(peer);
-    }
-}
-
-void direct_drain(struct peer *peer, uint64_t mark)
-{
-    struct _X_IPC_CONTEXT *context = peer->context;
-    (void)peer_ref(peer); /* the list may give up the last other reference */
-    context->draining++;
-    const bool broken = peer->link.fd >= 0 && link_flush(&peer->link) < 0;
-    while (!broken && peer->link.fd >= 0 && peer->link.written < mark) {
-        wait_turn(context->library, NO_DEADLINE);
-    }
-    context->draining--;
-    if (broken) {
-        direct_peer_ended(peer);
+    if (found & (READY_READ | READY_ERROR)) {
+        (void)receive_from_peer(peer); /* what came is in the inbox */
     }
     peer_unref(peer);
 }
+
+static const struct source_kind peer_kind = {NULL, wanted_from_peer, take_found};
+
+/* ------------------------------------------------------------------- listeners */
+
+static int wanted_from_listener(const struct source *listener)
+{
+    (void)listener;
+    return READY_READ;
+}
+
+static void accept_all(struct _X_IPC_CONTEXT *context, int listener, const char *kind)
+{
+    int fd;
+    while (net_accept(listener, &fd) == 0) {
+        (void)peer_new(context, &peer_kind, fd, true); /* it is in the list */
+        report_warning("New %s Connection Established for a Module at sd: %d\n", kind, fd);
+    }
+}
+
+static void accept_tcp(struct source *listener, int found)
+{
+    (void)found;
+    accept_all(LIST_OWNER(listener, struct _X_IPC_CONTEXT, direct_tcp), listener->fd, "TCP");
+}
+
+static void accept_unix(struct source *listener, int found)
+{
+    (void)found;
+    accept_all(LIST_OWNER(listener, struct _X_IPC_CONTEXT, direct_unix), listener->fd, "UNIX");
+}
+
+static const struct source_kind tcp_kind = {NULL, wanted_from_listener, accept_tcp};
+static const struct source_kind unix_kind = {NULL, wanted_from_listener, accept_unix};
 
 /* ------------------------------------------------------------- being reachable */
+
+/*
+ * The process ends: files of sockets would outlive it.  Without the lock, since a signal handler may
+ * have called exit() while this thread held it; contexts are never freed.
+ */
+static void remove_files(void)
+{
+    struct library *library = library_at_end();
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        net_remove_local(&context_at(position)->direct_local);
+    }
+}
+
+static void remove_files_at_end(struct library *library)
+{
+    if (!library->removes_files) {
+        library->removes_files = true;
+        (void)atexit(remove_files); /* at worst a stale file stays */
+    }
+}
+
+/* Listens on that port by TCP and, if that works, by Unix socket: whether others can come. */
+static bool listen_on(struct _X_IPC_CONTEXT *context, int port)
+{
+    struct library *library = context->library;
+    char path[NET_PATH_SIZE];
+    int fd;
+    if (net_listen_tcp(NULL, &port, &fd) != 0) {
+        return false;
+    }
+    source_init(&context->direct_tcp, &tcp_kind, fd);
+    wait_add(library, &context->direct_tcp);
+    remove_files_at_end(library);
+    snprintf(path, sizeof path, "%s/%d", NET_SOCKET_DIRECTORY, port);
+    if (net_listen_local(path, 0777, &context->direct_local) == 0) {
+        source_init(&context->direct_unix, &unix_kind, context->direct_local.fd);
+        wait_add(library, &context->direct_unix);
+    } else {
+        context->direct_local.fd = -1; /* others then come by TCP */
+    }
+    return true;
+}
 
 int direct_listen(struct _X_IPC_CONTEXT *context)
 {
     for (int port = FIRST_PORT; port <= LAST_PORT; port++) {
-        char path[NET_PATH_SIZE];
-        int actual = port;
-        if (net_listen_tcp(NULL, &actual, &context->direct_tcp) != 0) {
-            context->direct_tcp = -1;
-            continue;
+        if (listen_on(context, port)) {
+            context->direct_port = port;
+            return 0;
         }
-        snprintf(path, sizeof path, "%s/%d", NET_SOCKET_DIRECTORY, port);
-        if (net_listen_local(path, 0777, &context->direct_local) != 0) {
-            context->direct_local.fd = -1; /* others then come by TCP */
-        }
-        context->direct_port = port;
-        return 0;
     }
     return ERR_IO;
 }
@@ -128,75 +152,14 @@ IPC_ERROR_TYPE direct_announce(struct _X_IPC_CONTEXT *context)
     return exchange_notice(context, LM_DIRECT_PORT, &port);
 }
 
-static void accept_all(struct _X_IPC_CONTEXT *context, int listener, const char *kind)
-{
-    int fd;
-    while (net_accept(listener, &fd) == 0) {
-        (void)peer_new(context, fd, true); /* it is in the list */
-        report_warning("New %s Connection Established for a Module at sd: %d\n", kind, fd);
-    }
-}
-
-/* --------------------------------------------------------------------- waiting */
-
-void direct_each_fd(struct _X_IPC_CONTEXT *context,
-                    void (*add)(void *waiting, int fd, int wanted, struct _X_IPC_CONTEXT *context),
-                    void *waiting)
-{
-    const bool full = context->inbox_bytes > MAX_INBOX_BYTES && context->draining == 0;
-    if (context->direct_tcp >= 0) {
-        add(waiting, context->direct_tcp, READY_READ, context);
-    }
-    if (context->direct_local.fd >= 0) {
-        add(waiting, context->direct_local.fd, READY_READ, context);
-    }
-    struct list *position;
-    struct list *following;
-    LIST_EACH (position, following, &context->peers) {
-        struct peer *peer = peer_at(position);
-        const int wanted = (full ? 0 : READY_READ) |
-                           (link_waiting(&peer->link) > 0 ? READY_WRITE : 0);
-        if (peer->link.fd >= 0) {
-            add(waiting, peer->link.fd, wanted, context);
-        } else {
-            peer_forget(peer);
-        }
-    }
-}
-
-static struct peer *peer_of_fd(struct _X_IPC_CONTEXT *context, int fd)
+void direct_each_fd(struct _X_IPC_CONTEXT *context, void (*add)(void *set, int fd), void *set)
 {
     struct list *position = context->peers.next;
+    add(set, context->direct_tcp.fd);
+    add(set, context->direct_unix.fd);
     for (; position != &context->peers; position = position->next) {
-        if (peer_at(position)->link.fd == fd) {
-            return peer_at(position);
-        }
+        add(set, peer_at(position)->link.fd);
     }
-    return NULL;
-}
-
-void direct_ready(struct _X_IPC_CONTEXT *context, int fd, int found)
-{
-    if (fd == context->direct_tcp) {
-        accept_all(context, fd, "TCP");
-        return;
-    }
-    if (fd == context->direct_local.fd) {
-        accept_all(context, fd, "UNIX");
-        return;
-    }
-    struct peer *peer = peer_of_fd(context, fd);
-    if (peer == NULL) {
-        return;
-    }
-    (void)peer_ref(peer);
-    if (found & READY_WRITE) {
-        peer_flush(peer);
-    }
-    if (found & (READY_READ | READY_ERROR)) {
-        (void)receive_from_peer(peer); /* what came is in the inbox */
-    }
-    peer_unref(peer);
 }
 
 void direct_look(struct _X_IPC_CONTEXT *context)
@@ -243,7 +206,7 @@ static struct peer *open_outgoing(struct _X_IPC_CONTEXT *context, const char *ho
         net_close(fd);
         return NULL;
     }
-    struct peer *peer = peer_new(context, fd, false);
+    struct peer *peer = peer_new(context, &peer_kind, fd, false);
     peer->host = mem_copy_string(host);
     peer->port = port;
     report_warning("Direct Connection Established for %s to %s at sd: %d\n", message, module, fd);
@@ -270,16 +233,6 @@ static struct peer *reach(struct _X_IPC_CONTEXT *context, const char *message,
     return peer;
 }
 
-void direct_forget_targets(struct message *message)
-{
-    for (size_t i = 0; i < message->n_targets; i++) {
-        peer_unref(message->targets[i].peer);
-    }
-    free(message->targets);
-    message->targets = NULL;
-    message->n_targets = 0;
-}
-
 /* Connects to whoever is listed, from the oldest subscription on.  Starts again when the list changes
  * meanwhile. */
 static void make_targets(struct _X_IPC_CONTEXT *context, struct message *message)
@@ -289,7 +242,7 @@ static void make_targets(struct _X_IPC_CONTEXT *context, struct message *message
     while (context_is_connected_as(context, connection) && message->targets_stale) {
         const int count = message->handlers.count;
         message->targets_stale = false;
-        direct_forget_targets(message);
+        registry_forget_targets(message);
         message->targets = mem_resize(NULL, (size_t)count + 1, sizeof *message->targets);
         for (int i = count - 1; i >= 0 && !message->targets_stale; i--) {
             const int32_t handler = message->handlers.handlers[i].id;
@@ -326,16 +279,16 @@ IPC_ERROR_TYPE direct_find_targets(struct _X_IPC_CONTEXT *context, struct messag
 
 void direct_close(struct _X_IPC_CONTEXT *context)
 {
-    if (context->direct_tcp >= 0) {
-        net_close(context->direct_tcp);
-        context->direct_tcp = -1;
+    struct library *library = context->library;
+    if (context->direct_tcp.fd >= 0) {
+        wait_remove(library, &context->direct_tcp);
+        net_close(context->direct_tcp.fd);
+        context->direct_tcp.fd = -1;
     }
+    wait_remove(library, &context->direct_unix);
     net_close_local(&context->direct_local);
+    context->direct_unix.fd = -1;
     while (!list_is_empty(&context->peers)) {
-        struct peer *peer = peer_at(context->peers.next);
-        if (peer->link.fd >= 0) {
-            link_fini(&peer->link);
-        }
-        peer_forget(peer);
+        peer_close(peer_at(context->peers.next));
     }
 }

@@ -6,26 +6,11 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "libipc/context.h"
-#include "libipc/inbox.h"
-#include "libipc/wait.h"
 
-bool event_set_is_waiting(const struct library *library)
+static bool is_listed(const struct source_list *list, int fd)
 {
-    struct list *position = library->contexts.next;
-    for (; position != &library->contexts; position = position->next) {
-        struct _X_IPC_CONTEXT *context = context_at(position);
-        if (context_is_live(context) && inbox_first(context) != NULL) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool is_listed(const struct ready_item *items, size_t n_items, int fd)
-{
-    for (size_t i = 0; i < n_items; i++) {
-        if (items[i].fd == fd) {
+    for (size_t i = 0; i < list->count; i++) {
+        if (list->items[i].fd == fd) {
             return true;
         }
     }
@@ -33,30 +18,34 @@ static bool is_listed(const struct ready_item *items, size_t n_items, int fd)
 }
 
 /* A number that was closed and opened again has left the kernel's set, so each is set anew. */
-static void set_all(struct library *library, const struct ready_item *items, size_t n_items)
+static void set_all(struct library *library, const struct source_list *list)
 {
     for (size_t i = 0; i < library->n_event_fds; i++) {
-        if (!is_listed(items, n_items, library->event_fds[i])) {
+        if (!is_listed(list, library->event_fds[i])) {
             poller_remove(library->event_set, library->event_fds[i]);
         }
     }
     library->event_fds =
-        mem_resize(library->event_fds, n_items + 1, sizeof *library->event_fds);
-    for (size_t i = 0; i < n_items; i++) {
-        library->event_fds[i] = items[i].fd;
-        if (poller_change(library->event_set, items[i].fd, items[i].wanted, NULL) != 0) {
+        mem_resize(library->event_fds, list->count + 1, sizeof *library->event_fds);
+    library->n_event_fds = 0;
+    for (size_t i = 0; i < list->count; i++) {
+        const struct ready_item *item = &list->items[i];
+        if (item->fd < 0) {
+            continue;
+        }
+        library->event_fds[library->n_event_fds++] = item->fd;
+        if (poller_change(library->event_set, item->fd, item->wanted, NULL) != 0) {
             /* Regular files cannot be waited for; they are always ready. */
-            (void)poller_add(library->event_set, items[i].fd, items[i].wanted, NULL);
+            (void)poller_add(library->event_set, item->fd, item->wanted, NULL);
         }
     }
-    library->n_event_fds = n_items;
 }
 
-void event_set_tell(struct library *library)
+void event_set_list(struct library *library, struct source_list *list)
 {
-    if (library->event_set != NULL && event_set_is_waiting(library)) {
-        waker_wake(&library->waker);
-    }
+    source_list_init(list, library);
+    source_list_add(list, &library->sources);
+    source_list_add(list, &library->watched_fds);
 }
 
 void event_set_update(struct library *library)
@@ -64,11 +53,10 @@ void event_set_update(struct library *library)
     if (library->event_set == NULL) {
         return;
     }
-    struct ready_item *items;
-    const size_t n_items = wait_list(library, &items);
-    set_all(library, items, n_items);
-    free(items);
-    event_set_tell(library);
+    struct source_list list;
+    event_set_list(library, &list);
+    set_all(library, &list);
+    source_list_fini(&list);
 }
 
 int event_set_descriptor(struct library *library)

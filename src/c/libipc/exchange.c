@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "libipc/reconnect.h"
 #include "libipc/report.h"
 #include "libipc/wait.h"
 
@@ -64,6 +63,22 @@ IPC_ERROR_TYPE exchange_drain(struct _X_IPC_CONTEXT *context, uint64_t mark)
     }
     context->writers--;
     return error;
+}
+
+/* ------------------------------------------------------------- a lost connection */
+
+bool exchange_await_central(struct _X_IPC_CONTEXT *context)
+{
+    while (context->away != NULL && context->reconnect == IPCX_RECONNECT_WAIT) {
+        wait_turn(context->library, NO_DEADLINE);
+    }
+    return context_is_connected(context);
+}
+
+bool exchange_again(struct _X_IPC_CONTEXT *context, unsigned connection)
+{
+    return (context->away != NULL || context->connection != connection) &&
+           context->reconnect == IPCX_RECONNECT_WAIT && exchange_await_central(context);
 }
 
 /* ------------------------------------------------------------------- requests */
@@ -210,7 +225,7 @@ IPC_ERROR_TYPE exchange_ask(struct _X_IPC_CONTEXT *context, enum library_message
     do {
         connection = context->connection;
         error = ask(context, which, payload, reply);
-    } while (error != IPC_No_Error && reconnect_again(context, connection));
+    } while (error != IPC_No_Error && exchange_again(context, connection));
     return error;
 }
 
@@ -238,5 +253,5 @@ IPC_ERROR_TYPE exchange_notice(struct _X_IPC_CONTEXT *context, enum library_mess
         error = exchange_drain(context, context->link.queued);
     }
     /* The handshake has told a central that came back everything that notices say. */
-    return error != IPC_No_Error && reconnect_again(context, connection) ? IPC_No_Error : error;
+    return error != IPC_No_Error && exchange_again(context, connection) ? IPC_No_Error : error;
 }

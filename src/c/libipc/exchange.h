@@ -17,6 +17,13 @@ int32_t exchange_reference(struct _X_IPC_CONTEXT *context);
 void exchange_frame(struct _X_IPC_CONTEXT *context, struct frame *frame, enum frame_class class,
                     int32_t intent);
 
+/* Whether the context is connected; if its program wants calls to wait, after waiting for that. */
+bool exchange_await_central(struct _X_IPC_CONTEXT *context);
+
+/* Whether a call that began over that connection has failed with it and is to be made again: if calls
+ * wait, and the connection is there again, after waiting for it. */
+bool exchange_again(struct _X_IPC_CONTEXT *context, unsigned connection);
+
 /* Writes what is queued as far as the kernel takes it. */
 IPC_ERROR_TYPE exchange_flush(struct _X_IPC_CONTEXT *context);
 

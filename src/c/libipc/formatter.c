@@ -32,7 +32,7 @@ struct format *formatter_keep(struct library *library, struct format *format)
 static struct format *ask_central(void *asked, const char *name)
 {
     struct library *library = asked;
-    struct _X_IPC_CONTEXT *context = library_connected(library);
+    struct _X_IPC_CONTEXT *context = context_current_connected(library);
     char *text = (char *)(uintptr_t)name; /* the request's string is only read */
     struct format *format = NULL;
     if (context == NULL ||

@@ -8,10 +8,9 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "libipc/direct.h"
 #include "libipc/exchange.h"
-#include "libipc/notify.h"
 #include "libipc/subscription.h"
+#include "libipc/watcher.h"
 
 /* Takes the list over. */
 static void set_list(struct _X_IPC_CONTEXT *context, struct message *message,
@@ -36,7 +35,7 @@ static bool list_changed(struct _X_IPC_CONTEXT *context, struct handler *handler
         return true;
     }
     set_list(context, message, &list);
-    return notify_handlers_changed(context, message, frame);
+    return watcher_tell_change(context, message, frame);
 }
 
 /* Name of the broadcast of the list; the caller frees it. */
@@ -96,10 +95,4 @@ IPC_ERROR_TYPE handler_watch_ask(struct _X_IPC_CONTEXT *context, struct message 
         set_list(context, message, &list);
     }
     return error;
-}
-
-void handler_watch_forget(struct _X_IPC_CONTEXT *context, struct message *message)
-{
-    (void)format_release(context->library->catalogue.handler_list, &message->handlers);
-    direct_forget_targets(message);
 }

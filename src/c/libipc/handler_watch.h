@@ -22,7 +22,4 @@ IPC_ERROR_TYPE handler_watch_stop(struct _X_IPC_CONTEXT *context, struct message
 /* Asks for the list as it is now. */
 IPC_ERROR_TYPE handler_watch_ask(struct _X_IPC_CONTEXT *context, struct message *message);
 
-/* Frees what the message holds of it. */
-void handler_watch_forget(struct _X_IPC_CONTEXT *context, struct message *message);
-
 #endif

@@ -102,6 +102,25 @@ struct instance *inbox_first(struct _X_IPC_CONTEXT *context)
     return NULL;
 }
 
+bool inbox_is_any_waiting(const struct library *library)
+{
+    struct list *position = library->contexts.next;
+    for (; position != &library->contexts; position = position->next) {
+        struct _X_IPC_CONTEXT *context = context_at(position);
+        if (context_is_live(context) && inbox_first(context) != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void inbox_tell(const struct library *library)
+{
+    if (library->event_set != NULL && inbox_is_any_waiting(library)) {
+        waker_wake(&library->waker);
+    }
+}
+
 static void take_out(struct instance *instance)
 {
     list_remove(&instance->in_queue);

@@ -14,6 +14,12 @@ void inbox_add(struct instance *instance);
 /* The first instance that may run now; NULL: none. */
 struct instance *inbox_first(struct _X_IPC_CONTEXT *context);
 
+/* Whether one may run in any context that is live. */
+bool inbox_is_any_waiting(const struct library *library);
+
+/* Tells other event loops if one may: makes their set of descriptors readable. */
+void inbox_tell(const struct library *library);
+
 /* Takes it out. */
 struct instance *inbox_take(struct _X_IPC_CONTEXT *context);
 

@@ -7,8 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "libipc/direct.h"
-#include "libipc/subscription.h"
+#include "libipc/peer.h"
 
 struct instance *instance_new(struct _X_IPC_CONTEXT *context, enum instance_kind kind)
 {

@@ -1,29 +1,23 @@
 /*
- * The library's state: making it, locking it, and leaving it for callbacks.
+ * The library's state: making it, and locking it.
  */
 #include "libipc/library.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
-#include "libipc/context.h"
-#include "libipc/event_set.h"
-#include "libipc/reconnect.h"
-
 /* The one mutable static of the library; everything else is reached from here. */
 static struct library the_library;
 
-/*
- * The process ends: files of sockets would outlive it.  Without the lock, since a signal handler may
- * have called exit() while this thread held it; contexts are never freed.
- */
-static void library_end(void)
+/* What the environment says follows a loss of central where the program says nothing. */
+static IPCX_RECONNECT reconnect_of(const char *text)
 {
-    struct list *position = the_library.contexts.next;
-    for (; position != &the_library.contexts; position = position->next) {
-        net_remove_local(&context_at(position)->direct_local);
+    if (text == NULL) {
+        return IPCX_RECONNECT_NEVER;
     }
+    return strcmp(text, "fail") == 0   ? IPCX_RECONNECT_FAIL
+           : strcmp(text, "wait") == 0 ? IPCX_RECONNECT_WAIT
+                                       : IPCX_RECONNECT_NEVER;
 }
 
 static void library_make(void)
@@ -32,6 +26,7 @@ static void library_make(void)
     library->lock = mutex_new();
     library->changed = condition_new();
     library->waker.read_fd = library->waker.write_fd = -1;
+    list_init(&library->sources);
     list_init(&library->contexts);
     table_init(&library->formatters, TABLE_EXACT);
     list_init(&library->timers);
@@ -46,8 +41,7 @@ static void library_make(void)
     library->names = format_names_new();
     const char *empty_strings = getenv("IPC_EMPTY_STRINGS");
     format_set_empty_strings(empty_strings != NULL && strcmp(empty_strings, "1") == 0);
-    library->reconnect = reconnect_default();
-    (void)atexit(library_end); /* at worst a stale file stays */
+    library->reconnect = reconnect_of(getenv("IPC_RECONNECT"));
 }
 
 struct library *library_enter(void)
@@ -62,21 +56,9 @@ void library_leave(struct library *library)
     mutex_unlock(library->lock);
 }
 
-/* Tells threads that wait, in the kernel or in turn, to look again. */
-static void wake_all(struct library *library)
+struct library *library_at_end(void)
 {
-    if (library->polling) {
-        waker_wake(&library->waker);
-    }
-    if (library->sleepers > 0) {
-        condition_tell_all(library->changed);
-    }
-}
-
-void library_changed(struct library *library)
-{
-    wake_all(library);
-    event_set_update(library);
+    return &the_library;
 }
 
 /* What is made once and kept, whatever happens to the connections. */
@@ -103,7 +85,7 @@ static void library_restart(struct library *library)
 void library_initialise(struct library *library)
 {
     library_prepare(library);
-    if (!library->initialised && !library_any_live(library)) {
+    if (!library->initialised) {
         library_restart(library);
     }
     if (library->waker.read_fd < 0) {
@@ -113,8 +95,6 @@ void library_initialise(struct library *library)
     library->used = true;
 }
 
-/* ---------------------------------------------------------------- contexts */
-
 struct running *library_running(const struct library *library)
 {
     struct running *running = library->running;
@@ -123,92 +103,4 @@ struct running *library_running(const struct library *library)
         running = running->outer;
     }
     return running;
-}
-
-struct _X_IPC_CONTEXT *library_context(const struct library *library)
-{
-    const struct running *running = library_running(library);
-    return running != NULL && running->context != NULL ? running->context : library->current;
-}
-
-static struct _X_IPC_CONTEXT *if_live(struct _X_IPC_CONTEXT *context)
-{
-    return context != NULL && context_is_live(context) ? context : NULL;
-}
-
-struct _X_IPC_CONTEXT *library_live(const struct library *library)
-{
-    return if_live(library_context(library));
-}
-
-struct _X_IPC_CONTEXT *library_connected(const struct library *library)
-{
-    struct _X_IPC_CONTEXT *context = library_context(library);
-    return context != NULL && context_is_connected(context) ? context : NULL;
-}
-
-bool library_any_live(const struct library *library)
-{
-    struct list *position;
-    struct list *following;
-    LIST_EACH (position, following, &library->contexts) {
-        if (context_is_live(context_at(position))) {
-            return true;
-        }
-    }
-    return false;
-}
-
-bool library_is_ready(const struct library *library)
-{
-    return library->initialised || library_live(library) != NULL;
-}
-
-/* --------------------------------------------------------------- callbacks */
-
-/* The one that callbacks of a live context take, or (NULL) those of no context. */
-static struct turn *turn_of(struct library *library, struct _X_IPC_CONTEXT *context)
-{
-    return context != NULL ? &context->turn : &library->turn;
-}
-
-bool library_turn_is_free(struct library *library, struct _X_IPC_CONTEXT *context)
-{
-    const struct turn *turn = turn_of(library, if_live(context));
-    return turn->thread == 0 || turn->thread == thread_number();
-}
-
-struct running library_call(struct library *library, struct _X_IPC_CONTEXT *context,
-                            int32_t dispatch)
-{
-    struct running running;
-    memset(&running, 0, sizeof running);
-    running.context = if_live(context);
-    running.turn = turn_of(library, running.context);
-    running.dispatch = dispatch;
-    return running;
-}
-
-void library_call_begin(struct library *library, struct running *running)
-{
-    running->thread = thread_number();
-    running->outer = library->running;
-    library->running = running;
-    running->turn->thread = running->thread;
-    running->turn->depth++;
-    library_leave(library);
-}
-
-void library_call_end(struct library *library, struct running *running)
-{
-    mutex_lock(library->lock);
-    struct running **link = &library->running;
-    while (*link != running) {
-        link = &(*link)->outer;
-    }
-    *link = running->outer;
-    if (--running->turn->depth == 0) {
-        running->turn->thread = 0;
-        wake_all(library); /* others may have waited for their turn */
-    }
 }

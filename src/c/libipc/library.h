@@ -7,8 +7,8 @@
  *
  * One lock guards all of it.  An API function enters (takes the lock), works, and
  * leaves.  The lock is given up only inside wait_turn, while the kernel waits, and
- * inside library_call_out, while a user's function runs; whoever holds pointers
- * across one of these looks again at what may have changed.
+ * from callback_begin to callback_end, while a user's function runs; whoever holds
+ * pointers across one of these looks again at what may have changed.
  */
 #ifndef IPC_LIBIPC_LIBRARY_H
 #define IPC_LIBIPC_LIBRARY_H
@@ -31,7 +31,7 @@
 #include "wire/catalogue.h"
 
 struct _X_IPC_CONTEXT;
-struct instance;
+struct source_list;
 
 /* Which thread runs callbacks on behalf of something, and how deeply nested. */
 struct turn {
@@ -54,12 +54,14 @@ struct running {
 struct library {
     struct mutex *lock;
     struct condition *changed; /* told whenever something that a waiting thread may want changes */
+    struct list sources;       /* what that may be: all struct source but the user's descriptors */
     bool polling;              /* a thread waits in the kernel for all others */
+    struct source_list *waiting; /* what it waits for, or is looking at after the wait; else NULL */
     unsigned sleepers;         /* threads that wait for it in turn */
     unsigned listeners;        /* threads inside a listening call */
     struct waker waker;        /* ends the wait in the kernel */
 
-    bool initialised;
+    bool initialised;                  /* always while a context is live (context.h) */
     bool used;                         /* has ever been initialised: errors may end the process */
     struct list contexts;              /* of struct _X_IPC_CONTEXT, also closed ones: they are never freed */
     struct _X_IPC_CONTEXT *current;    /* may be closed */
@@ -67,6 +69,7 @@ struct library {
     struct turn turn;                  /* of timers and descriptors that no context owns */
     void (*exit_procedure)(void);
     bool in_exit_procedure;
+    bool removes_files;                /* at the end of the process (direct.c) */
     IPCX_RECONNECT reconnect;      /* what follows a loss in contexts to come */
 
     struct catalogue catalogue;
@@ -82,7 +85,7 @@ struct library {
     struct poller *event_set;      /* for other event loops; NULL: nobody has asked for it */
     int *event_fds;                /* what is in it */
     size_t n_event_fds;
-    struct list watched_fds;       /* in ascending order */
+    struct list watched_fds;       /* of struct source, in ascending order */
     int max_fd;                    /* largest descriptor that was ever waited for */
     struct idpool instances;       /* numbers behind MSG_INSTANCE */
     struct list spare_instances;
@@ -98,45 +101,13 @@ struct library *library_enter(void);
 /* Gives the lock back. */
 void library_leave(struct library *library);
 
-/* What is to be waited for has changed: threads that wait, in the kernel or in turn, look again. */
-void library_changed(struct library *library);
+/* The library without its lock, for what the end of the process does. */
+struct library *library_at_end(void);
 
 /* Puts the library into state initialised if it is fresh or disconnected. */
 void library_initialise(struct library *library);
 
-/* The context that calls of this thread act on: NULL in state fresh; may be closed. */
-struct _X_IPC_CONTEXT *library_context(const struct library *library);
-
-/* The same if it is connected, else NULL. */
-struct _X_IPC_CONTEXT *library_connected(const struct library *library);
-
-/* The same if it is connected or going to be again, else NULL. */
-struct _X_IPC_CONTEXT *library_live(const struct library *library);
-
-/* Whether any context is connected or going to be again. */
-bool library_any_live(const struct library *library);
-
-/* Whether marshalling calls work: initialised, or the current context is connected. */
-bool library_is_ready(const struct library *library);
-
 /* The innermost callback of this thread, or NULL. */
 struct running *library_running(const struct library *library);
-
-/*
- * A callback that belongs to a context; to none if that is NULL or has ended.  dispatch is
- * the parent of what it sends.  Stays on the caller's stack until library_call_end.
- */
-struct running library_call(struct library *library, struct _X_IPC_CONTEXT *context,
-                            int32_t dispatch);
-
-/* It begins: the lock is given up. */
-void library_call_begin(struct library *library, struct running *running);
-
-/* It has returned: the lock is held again. */
-void library_call_end(struct library *library, struct running *running);
-
-/* Whether this thread may run callbacks of that context (see library_call) now: nobody does, or it
- * does itself. */
-bool library_turn_is_free(struct library *library, struct _X_IPC_CONTEXT *context);
 
 #endif

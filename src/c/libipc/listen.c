@@ -7,7 +7,8 @@
  */
 #include "libipc/listen.h"
 
-#include "libipc/context.h"
+#include "libipc/callback.h"
+#include "libipc/closing.h"
 #include "libipc/deliver.h"
 #include "libipc/direct.h"
 #include "libipc/exchange.h"
@@ -36,9 +37,7 @@ static void look(struct library *library, bool urgent)
             }
         }
     }
-    if (!list_is_empty(&library->watched_fds)) {
-        wait_poll_fds(library);
-    }
+    watch_fd_poll(library);
 }
 
 static void flush_late_acknowledgements(struct _X_IPC_CONTEXT *context)
@@ -55,7 +54,7 @@ static int run_messages(struct _X_IPC_CONTEXT *context, int limit)
     int n_run = 0;
     size_t n_waiting = context->n_inbox;
     while (n_waiting-- > 0 && n_run < limit && context_is_live(context) &&
-           library_turn_is_free(context->library, context)) {
+           callback_turn_is_free(context->library, context)) {
         struct instance *instance = inbox_take(context);
         if (instance == NULL) {
             break; /* a nested call has been faster, or the capacity is used up */
@@ -117,7 +116,7 @@ static enum listen_result rounds(struct library *library, uint64_t deadline_ns,
     for (;;) {
         bool over = wait_is_over(deadline_ns);
         timer_run_due(library);
-        if (awaited == NULL && library_live(library) == NULL) {
+        if (awaited == NULL && context_current_live(library) == NULL) {
             return LISTEN_NOTHING; /* a timer has disconnected */
         }
         look(library, is_urgent(library, over, mode));
@@ -131,14 +130,15 @@ static enum listen_result rounds(struct library *library, uint64_t deadline_ns,
             timer_run_due(library);
             return LISTEN_HANDLED;
         }
-        if (awaited == NULL && library_live(library) == NULL) {
+        if (awaited == NULL && context_current_live(library) == NULL) {
             return LISTEN_DISCONNECTED;
         }
         if (over) {
             return LISTEN_NOTHING;
         }
+        closing_settle(library); /* handlers may have ended their connections */
         wait_turn(library, deadline_ns);
-        if (awaited == NULL && library_live(library) == NULL) {
+        if (awaited == NULL && context_current_live(library) == NULL) {
             return LISTEN_DISCONNECTED;
         }
     }
@@ -150,6 +150,7 @@ static enum listen_result pass(struct library *library, uint64_t deadline_ns,
     library->listeners++;
     const enum listen_result result = rounds(library, deadline_ns, mode, awaited);
     flush_acknowledgements(library);
+    closing_settle(library);
     library->listeners--;
     return result;
 }
@@ -157,7 +158,7 @@ static enum listen_result pass(struct library *library, uint64_t deadline_ns,
 enum listen_result listen_pass(struct library *library, uint64_t deadline_ns,
                                enum listen_mode mode)
 {
-    return library_live(library) != NULL ? pass(library, deadline_ns, mode, NULL)
+    return context_current_live(library) != NULL ? pass(library, deadline_ns, mode, NULL)
                                          : LISTEN_DISCONNECTED;
 }
 

@@ -11,8 +11,8 @@
 #include "base/memory.h"
 #include "libipc/direct.h"
 #include "libipc/exchange.h"
+#include "libipc/peer.h"
 #include "libipc/receive.h"
-#include "libipc/reconnect.h"
 #include "libipc/report.h"
 
 /* --------------------------------------------------------------------- length */
@@ -76,7 +76,7 @@ IPC_ERROR_TYPE publish_frame(struct _X_IPC_CONTEXT *context, struct frame *frame
 void publish_frame_to(struct peer *peer, struct frame *frame, const struct message *message,
                       const void *content, size_t length)
 {
-    direct_drain(peer, queue_frame(&peer->link, frame, message, content, length));
+    peer_drain(peer, queue_frame(&peer->link, frame, message, content, length));
 }
 
 /*
@@ -183,7 +183,7 @@ IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
     do {
         connection = context->connection;
         error = publish_once(context, message, length, content);
-    } while (error != IPC_No_Error && reconnect_again(context, connection));
+    } while (error != IPC_No_Error && exchange_again(context, connection));
     return error;
 }
 

@@ -23,7 +23,8 @@ IPC_ERROR_TYPE publish_send(struct _X_IPC_CONTEXT *context, struct frame *frame,
 IPC_ERROR_TYPE publish_frame(struct _X_IPC_CONTEXT *context, struct frame *frame,
                              const struct message *message, const void *content, size_t length);
 
-/* The same over a direct link.  That the peer goes meanwhile is of no matter. */
+/* The same over a direct link, to whose peer the caller holds a reference.  That it breaks meanwhile is of
+ * no matter. */
 void publish_frame_to(struct peer *peer, struct frame *frame, const struct message *message,
                       const void *content, size_t length);
 

@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "libipc/direct.h"
 #include "libipc/exchange.h"
 #include "libipc/listen.h"
+#include "libipc/peer.h"
 #include "libipc/publish.h"
 #include "libipc/report.h"
 #include "libipc/wait.h"

@@ -9,10 +9,12 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "libipc/direct.h"
+#include "libipc/exchange.h"
 #include "libipc/inbox.h"
+#include "libipc/peer.h"
 #include "libipc/report.h"
 #include "libipc/subscription.h"
+#include "libipc/wait.h"
 
 /* A connection that does not stop to send is left now and then, so that others get their turn. */
 enum { MAX_READS = 64 };
@@ -246,6 +248,7 @@ bool receive_from_peer(struct peer *peer)
 {
     bool any = false;
     bool more = true;
+    (void)peer_ref(peer); /* it may end meanwhile */
     for (int i = 0; i < MAX_READS && more && peer->link.fd >= 0; i++) {
         int result = link_read(&peer->link, &more);
         if (result == 0) {
@@ -256,8 +259,51 @@ bool receive_from_peer(struct peer *peer)
             result = take_frames(peer->context, &peer->link, peer);
         }
         if (result < 0) {
-            direct_peer_ended(peer);
+            peer_end(peer);
         }
     }
+    peer_unref(peer);
     return any;
+}
+
+/* --------------------------------------------------------------- as a source */
+
+static struct _X_IPC_CONTEXT *context_of(const struct source *source)
+{
+    return LIST_OWNER(source, struct _X_IPC_CONTEXT, source);
+}
+
+static bool write_queued(struct source *source)
+{
+    struct _X_IPC_CONTEXT *context = context_of(source);
+    if (link_waiting(&context->link) == 0) {
+        return false;
+    }
+    const IPC_ERROR_TYPE error = exchange_flush(context);
+    return error != IPC_No_Error ||
+           (context->writers > 0 && link_waiting(&context->link) == 0);
+}
+
+static int wanted(const struct source *source)
+{
+    return link_waiting(&context_of(source)->link) > 0 ? READY_READ | READY_WRITE : READY_READ;
+}
+
+static void take_found(struct source *source, int found)
+{
+    struct _X_IPC_CONTEXT *context = context_of(source);
+    if (found & READY_WRITE) {
+        (void)exchange_flush(context); /* a loss shows in the context's state */
+    }
+    if (found & (READY_READ | READY_ERROR)) {
+        (void)receive(context); /* so does what came */
+    }
+}
+
+static const struct source_kind central_kind = {write_queued, wanted, take_found};
+
+void receive_start(struct _X_IPC_CONTEXT *context)
+{
+    source_init(&context->source, &central_kind, context->link.fd);
+    wait_add(context->library, &context->source);
 }

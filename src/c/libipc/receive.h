@@ -9,6 +9,9 @@
 
 struct peer;
 
+/* From now on whoever waits writes and reads what there is over the context's connection. */
+void receive_start(struct _X_IPC_CONTEXT *context);
+
 /* Reads what central has sent and takes in all complete frames; returns whether anything came. */
 bool receive(struct _X_IPC_CONTEXT *context);
 

@@ -12,14 +12,14 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "libipc/address.h"
+#include "libipc/exchange.h"
 #include "libipc/inbox.h"
-#include "libipc/notify.h"
 #include "libipc/receive.h"
 #include "libipc/registry.h"
 #include "libipc/report.h"
 #include "libipc/subscription.h"
 #include "libipc/wait.h"
+#include "libipc/watcher.h"
 
 #define MILLISECOND ((uint64_t)1000000)
 #define FIRST_PAUSE (100 * MILLISECOND)
@@ -50,35 +50,71 @@ static void forget_numbers(struct _X_IPC_CONTEXT *context)
     inbox_lose(context);
 }
 
+/* ------------------------------------------------------------------- as a source */
+
+static void step(struct _X_IPC_CONTEXT *context);
+
+static int wanted(const struct source *source)
+{
+    const struct reconnect *away = LIST_OWNER(source, const struct reconnect, source);
+    const struct _X_IPC_CONTEXT *context = away->context;
+    if (context->state == CONTEXT_CONNECTING) {
+        return link_waiting(&context->link) > 0 ? READY_READ | READY_WRITE : READY_READ;
+    }
+    return source->fd >= 0 ? READY_WRITE : NOT_WANTED;
+}
+
+static void take_found(struct source *source, int found)
+{
+    struct _X_IPC_CONTEXT *context = LIST_OWNER(source, struct reconnect, source)->context;
+    if (context->state == CONTEXT_CONNECTING && (found & READY_WRITE)) {
+        (void)exchange_flush(context); /* a loss shows in the context's state */
+    }
+    step(context);
+}
+
+static const struct source_kind away_kind = {NULL, wanted, take_found};
+
+/* What is waited for from now on, and how long. */
+static void wait_for(struct reconnect *away, int fd, uint64_t due_ns)
+{
+    away->source.fd = fd;
+    away->source.due_ns = due_ns;
+    wait_changed(away->context->library);
+}
+
+/* --------------------------------------------------------------------- losing */
+
 /* The connection that the program knows of has gone. */
 static void leave(struct _X_IPC_CONTEXT *context)
 {
     context->away = mem_new(sizeof *context->away);
+    context->away->context = context;
     context->away->fd = -1;
     context->away->pause_ns = FIRST_PAUSE;
+    source_init(&context->away->source, &away_kind, -1);
+    wait_add(context->library, &context->away->source);
     report_note("Closed Connection Detected from: Central Server %s\n\n", context->server_name);
-    notify_connection(context, false);
+    watcher_tell_connection(context, false);
 }
 
-static void try_later(struct _X_IPC_CONTEXT *context)
+static void try_later(struct reconnect *away)
 {
-    struct reconnect *away = context->away;
-    away->due_ns = clock_ns() + away->pause_ns;
-    away->pause_ns = 2 * away->pause_ns < LONGEST_PAUSE ? 2 * away->pause_ns : LONGEST_PAUSE;
-    library_changed(context->library);
+    const uint64_t pause = away->pause_ns;
+    away->pause_ns = 2 * pause < LONGEST_PAUSE ? 2 * pause : LONGEST_PAUSE;
+    wait_for(away, -1, clock_ns() + pause);
 }
 
 void reconnect_begin(struct _X_IPC_CONTEXT *context)
 {
     context->state = CONTEXT_AWAY;
-    context_drop_connection(context);
     forget_numbers(context);
     if (context->away == NULL) {
         leave(context);
     } else {
         handshake_fini(&context->away->handshake);
     }
-    try_later(context);
+    try_later(context->away);
 }
 
 void reconnect_end(struct _X_IPC_CONTEXT *context)
@@ -87,6 +123,7 @@ void reconnect_end(struct _X_IPC_CONTEXT *context)
     if (away == NULL) {
         return;
     }
+    wait_remove(context->library, &away->source);
     handshake_fini(&away->handshake);
     if (away->fd >= 0) {
         net_close_copy(away->fd);
@@ -106,7 +143,7 @@ static void begin_handshake(struct _X_IPC_CONTEXT *context, int fd, bool local)
     context->state = CONTEXT_CONNECTING;
     link_init(&context->link, fd, FROM_CENTRAL);
     handshake_init(&away->handshake, context);
-    library_changed(context->library);
+    wait_for(away, fd, away->handshake.deadline_ns);
 }
 
 /* By Unix socket there is an answer at once, by TCP later. */
@@ -120,11 +157,10 @@ static void begin_try(struct _X_IPC_CONTEXT *context)
     if (context->address[0] == '\0' && net_connect_local(path, &fd) == 0) {
         begin_handshake(context, fd, true);
     } else if (net_start_tcp(host, context->port, &away->fd) == 0) {
-        away->due_ns = clock_ns() + LONGEST_TRY;
-        library_changed(context->library);
+        wait_for(away, away->fd, clock_ns() + LONGEST_TRY);
     } else {
         away->fd = -1;
-        try_later(context);
+        try_later(away);
     }
 }
 
@@ -134,18 +170,19 @@ static void look_at_try(struct _X_IPC_CONTEXT *context)
     const int result = net_look_at_start(away->fd);
     if (result == 0) {
         begin_handshake(context, away->fd, false);
-    } else if (result < 0 || wait_is_over(away->due_ns)) {
+    } else if (result < 0 || wait_is_over(away->source.due_ns)) {
         net_close_copy(away->fd);
         away->fd = -1;
-        try_later(context);
+        try_later(away);
     }
 }
 
 static void come_back(struct _X_IPC_CONTEXT *context)
 {
     reconnect_end(context);
+    receive_start(context);
     report_note("Connected again to: Central Server %s\n\n", context->server_name);
-    notify_connection(context, true);
+    watcher_tell_connection(context, true);
     context_connected(context);
 }
 
@@ -156,18 +193,21 @@ static void look_at_handshake(struct _X_IPC_CONTEXT *context)
     if (!context_is_open(context)) {
         return;
     }
-    const enum handshake_result result = handshake_step(&context->away->handshake);
+    struct reconnect *away = context->away;
+    const enum handshake_result result = handshake_step(&away->handshake);
     if (result == HANDSHAKE_DONE) {
         come_back(context);
     } else if (result != HANDSHAKE_GOES_ON) {
         context_lose(context, false);
+    } else {
+        away->source.due_ns = away->handshake.deadline_ns;
     }
 }
 
 static void step(struct _X_IPC_CONTEXT *context)
 {
     struct reconnect *away = context->away;
-    if (context->state == CONTEXT_AWAY && away->fd < 0 && wait_is_over(away->due_ns)) {
+    if (context->state == CONTEXT_AWAY && away->fd < 0 && wait_is_over(away->source.due_ns)) {
         begin_try(context);
     }
     if (context->state == CONTEXT_AWAY && away->fd >= 0) {
@@ -187,58 +227,4 @@ void reconnect_turn(struct library *library)
             step(context);
         }
     }
-}
-
-uint64_t reconnect_due(const struct library *library)
-{
-    uint64_t due = UINT64_MAX;
-    struct list *position = library->contexts.next;
-    for (; position != &library->contexts; position = position->next) {
-        const struct _X_IPC_CONTEXT *context = context_at(position);
-        if (context->away != NULL) {
-            const uint64_t own = context->state == CONTEXT_CONNECTING
-                                     ? context->away->handshake.deadline_ns
-                                     : context->away->due_ns;
-            due = own < due ? own : due;
-        }
-    }
-    return due;
-}
-
-/* -------------------------------------------------------------------- waiting */
-
-bool reconnect_await(struct _X_IPC_CONTEXT *context)
-{
-    while (context->away != NULL && context->reconnect == IPCX_RECONNECT_WAIT) {
-        wait_turn(context->library, NO_DEADLINE);
-    }
-    return context_is_connected(context);
-}
-
-bool reconnect_again(struct _X_IPC_CONTEXT *context, unsigned connection)
-{
-    return (context->away != NULL || context->connection != connection) &&
-           context->reconnect == IPCX_RECONNECT_WAIT && reconnect_await(context);
-}
-
-/* ------------------------------------------------------------------- settings */
-
-void reconnect_set(struct _X_IPC_CONTEXT *context, IPCX_RECONNECT mode)
-{
-    context->reconnect = mode;
-    if (mode == IPCX_RECONNECT_NEVER && context->away != NULL) {
-        context_close(context, CONTEXT_CLOSED);
-    }
-    library_changed(context->library); /* calls that wait look again */
-}
-
-IPCX_RECONNECT reconnect_default(void)
-{
-    const char *text = getenv("IPC_RECONNECT");
-    if (text == NULL) {
-        return IPCX_RECONNECT_NEVER;
-    }
-    return strcmp(text, "fail") == 0   ? IPCX_RECONNECT_FAIL
-           : strcmp(text, "wait") == 0 ? IPCX_RECONNECT_WAIT
-                                       : IPCX_RECONNECT_NEVER;
 }

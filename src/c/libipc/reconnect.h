@@ -14,35 +14,22 @@
 
 /* How far a context that is away has come. */
 struct reconnect {
-    uint64_t due_ns;            /* state away: the next try, or the end of the present one */
+    /* State away: the TCP connection under way if there is one, due at the next try or the end of the
+     * present one.  State connecting: the link, due at the end of the handshake's time. */
+    struct source source;
+    int fd; /* TCP connection under way; -1: none */
+    struct _X_IPC_CONTEXT *context;
     uint64_t pause_ns;          /* before the next try */
-    int fd;                     /* TCP connection under way; -1: none */
     struct handshake handshake; /* state connecting */
 };
 
-/* The open connection broke: the one that the program has, or one that should become it. */
+/* The connection broke, and has been closed: the one that the program has, or one that should become it. */
 void reconnect_begin(struct _X_IPC_CONTEXT *context);
 
 /* Ends that, if it has begun. */
 void reconnect_end(struct _X_IPC_CONTEXT *context);
 
-/* Goes on with every context that is away, as far as it can. */
+/* Goes on with every context that is away, as far as it can; waits do so as well. */
 void reconnect_turn(struct library *library);
-
-/* When reconnect_turn has something to do though nothing has arrived; UINT64_MAX: not at all. */
-uint64_t reconnect_due(const struct library *library);
-
-/* Whether the context is connected; if its program wants calls to wait, after waiting for that. */
-bool reconnect_await(struct _X_IPC_CONTEXT *context);
-
-/* Whether a call that began over that connection has failed with it and is to be made again: if calls
- * wait, and the connection is there again, after waiting for it. */
-bool reconnect_again(struct _X_IPC_CONTEXT *context, unsigned connection);
-
-/* Sets what follows a loss. */
-void reconnect_set(struct _X_IPC_CONTEXT *context, IPCX_RECONNECT mode);
-
-/* What the environment says follows a loss where the program says nothing. */
-IPCX_RECONNECT reconnect_default(void);
 
 #endif

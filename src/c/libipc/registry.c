@@ -8,10 +8,10 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "libipc/define.h"
+#include "libipc/definition.h"
 #include "libipc/exchange.h"
 #include "libipc/formatter.h"
-#include "libipc/handler_watch.h"
+#include "libipc/peer.h"
 #include "libipc/report.h"
 
 struct message *registry_get(struct _X_IPC_CONTEXT *context, const char *name)
@@ -75,6 +75,20 @@ static IPC_ERROR_TYPE ask(struct _X_IPC_CONTEXT *context, const char *name, bool
     return error;
 }
 
+/* Defines a message as another module had defined it at a central that has been lost. */
+static IPC_ERROR_TYPE define_again(struct _X_IPC_CONTEXT *context, const struct message *message)
+{
+    const unsigned int length = message->wire == WIRE_NONE    ? 0
+                                : message->wire == WIRE_FIXED ? (unsigned int)message->fixed_length
+                                                              : IPC_VARIABLE_LENGTH;
+    char *text = message->content != NULL ? format_canonical(message->content) : NULL;
+    const IPC_ERROR_TYPE error = format_is_bad(message->content)
+                                     ? IPC_Illegal_Formatter
+                                     : definition_send(context, message->name, length, text);
+    free(text);
+    return error;
+}
+
 /* What other modules have defined is not known to a central that has come back before they have. */
 static IPC_ERROR_TYPE ask_again_if_lost(struct _X_IPC_CONTEXT *context, const char *name,
                                         bool *exists)
@@ -117,6 +131,23 @@ IPC_ERROR_TYPE registry_find(struct _X_IPC_CONTEXT *context, const char *name, b
     return IPC_Message_Not_Defined;
 }
 
+void registry_forget_targets(struct message *message)
+{
+    for (size_t i = 0; i < message->n_targets; i++) {
+        peer_unref(message->targets[i].peer);
+    }
+    free(message->targets);
+    message->targets = NULL;
+    message->n_targets = 0;
+}
+
+/* Frees the list of a message's handlers, and what has been made of it. */
+static void forget_handlers(const struct _X_IPC_CONTEXT *context, struct message *message)
+{
+    (void)format_release(context->library->catalogue.handler_list, &message->handlers);
+    registry_forget_targets(message);
+}
+
 void registry_lose(struct _X_IPC_CONTEXT *context)
 {
     struct table_entry *entry = table_first(&context->messages);
@@ -125,7 +156,7 @@ void registry_lose(struct _X_IPC_CONTEXT *context)
         message->lost = message->lost || message->known;
         message->known = false;
         message->handlers_known = false;
-        handler_watch_forget(context, message);
+        forget_handlers(context, message);
     }
 }
 
@@ -140,8 +171,8 @@ void registry_clear(struct _X_IPC_CONTEXT *context)
     struct table_entry *entry = table_first(&context->messages);
     for (; entry != NULL; entry = table_next(&context->messages, entry)) {
         struct message *message = entry->value;
-        handler_watch_forget(context, message);
-        define_forget(message);
+        forget_handlers(context, message);
+        definition_free(message->definition);
         free(message->name);
         free(message);
     }

@@ -16,7 +16,13 @@ enum wire_kind {
 };
 
 struct definition;
-struct direct_target;
+struct peer;
+
+/* Where a message goes that is delivered directly. */
+struct direct_target {
+    int32_t handler;
+    struct peer *peer; /* one reference; NULL: cannot be reached */
+};
 
 struct message {
     char *name;     /* spelled as defined, once it is; owned */
@@ -29,7 +35,7 @@ struct message {
     unsigned n_subscriptions; /* of this module */
     int queue_limit;          /* 0: none */
     int priority;             /* -1: none */
-    struct definition *definition; /* by this module; NULL: none; owned, see define.h */
+    struct definition *definition; /* by this module; NULL: none; owned */
 
     bool handlers_watched;    /* central keeps handlers up to date here */
     bool handlers_known;      /* and has told them */
@@ -57,6 +63,9 @@ void registry_learn(struct _X_IPC_CONTEXT *context, const char *name,
 
 /* Central has gone: its numbers are forgotten, and where messages go; what they are is kept. */
 void registry_lose(struct _X_IPC_CONTEXT *context);
+
+/* Forgets where a message goes. */
+void registry_forget_targets(struct message *message);
 
 /* Makes the next use ask again, after this module has defined the message. */
 void registry_renew(struct message *message);

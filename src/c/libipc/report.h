@@ -1,17 +1,26 @@
 /*
- * What the library says to the user, and how it ends the process.
+ * What the library says to the user, by verbosity.
  *
- * Errors of API calls set IPC_errno, print by verbosity, and at
- * IPC_Exit_On_Errors end the process or call the exit procedure.  Warnings and
- * notes only print.  None of the report_… functions that may end the process is
- * called with the library's lock held.
+ * Warnings and notes only print.  What errors of API calls lead to is in
+ * report_result.h.
  */
 #ifndef IPC_LIBIPC_REPORT_H
 #define IPC_LIBIPC_REPORT_H
 
+#include <stdarg.h>
+
 #include "ipc/ipc.h"
 
-#include "libipc/library.h"
+/* The API's own globals (IPC_errno is declared in ipc.h).  The library shows them to programs that
+ * declare them by hand. */
+#if defined(__GNUC__) && !defined(_WIN32)
+#pragma GCC visibility push(default)
+#endif
+extern IPC_VERBOSITY_TYPE ipcVerbosity;         /* assigning to it is IPC_setVerbosity */
+extern const char *ipcErrorStrings[NUM_ERRORS]; /* texts of IPC_errno */
+#if defined(__GNUC__) && !defined(_WIN32)
+#pragma GCC visibility pop
+#endif
 
 #if defined(__GNUC__)
 #define REPORT_PRINTF(text, first) __attribute__((format(printf, text, first)))
@@ -30,15 +39,6 @@ void report_banner(const char *text, ...) REPORT_PRINTF(1, 2);
 
 /* Prints on standard error at IPC_Print_Errors and up.  May be called with the lock held. */
 void report_note(const char *text, ...) REPORT_PRINTF(1, 2);
-
-/* An API call failed: IPC_Error, unless the process ends.  IPC_No_Error gives IPC_OK. */
-IPC_RETURN_TYPE report(IPC_ERROR_TYPE error);
-
-/* An error with a text of its own at IPC_Print_Errors; ends the process at IPC_Exit_On_Errors. */
-void report_internal_error(const char *text, ...) REPORT_PRINTF(1, 2);
-
-/* The connection to central is lost: prints, and ends the process or calls the exit procedure,
- * whatever the verbosity. */
-void report_loss(struct _X_IPC_CONTEXT *context);
+void report_note_values(const char *text, va_list values) REPORT_PRINTF(1, 0);
 
 #endif

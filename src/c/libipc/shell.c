@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "libipc/address.h"
+#include "libipc/closing.h"
 #include "libipc/connect.h"
 #include "libipc/exchange.h"
 #include "platform/owner.h"
@@ -128,20 +129,20 @@ static enum shell_result end_module_of(struct _X_IPC_CONTEXT *context, const cha
 enum shell_result shell_end_module(const char *module, const char *server)
 {
     struct library *library = library_enter();
-    struct _X_IPC_CONTEXT *context = server == NULL ? library_connected(library) : NULL;
+    struct _X_IPC_CONTEXT *context = server == NULL ? context_current_connected(library) : NULL;
     const bool own = context == NULL;
     library_leave(library);
     if (own && connect_module("killModule", server, false) != IPC_OK) {
         return SHELL_NONE;
     }
     library = library_enter();
-    context = library_connected(library);
+    context = context_current_connected(library);
     enum shell_result result = SHELL_NONE;
     if (context != NULL) {
         result = end_module_of(context, module);
     }
     if (own && context != NULL) {
-        disconnect(context, true);
+        closing_disconnect(context, true);
     }
     library_leave(library);
     return result;

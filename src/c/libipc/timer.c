@@ -7,8 +7,9 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "libipc/context.h"
+#include "libipc/callback.h"
 #include "libipc/report.h"
+#include "libipc/wait.h"
 
 struct timer {
     struct list in_library;
@@ -42,7 +43,7 @@ static void find_next(struct library *library)
     for (; position != &library->timers; position = position->next) {
         const struct timer *timer = timer_at(position);
         if (!timer->running && timer->due_ns < library->next_timer_ns &&
-            library_turn_is_free(library, timer->context)) {
+            callback_turn_is_free(library, timer->context)) {
             library->next_timer_ns = timer->due_ns;
         }
     }
@@ -91,10 +92,10 @@ TIMER_REF timer_add(struct library *library, uint64_t delay_ms, long count,
     timer->left = count;
     timer->handler = handler;
     timer->client_data = client_data;
-    timer->context = library_live(library);
+    timer->context = context_current_live(library);
     timer->pass = 0;
     find_next(library);
-    library_changed(library);
+    wait_changed(library);
     return (TIMER_REF)idpool_handle(&library->timer_ids, timer->number);
 }
 
@@ -171,20 +172,16 @@ static void schedule(struct timer *timer, uint64_t now)
 static void timer_call(struct library *library, struct timer *timer, uint64_t now)
 {
     const uint64_t due = timer->due_ns;
-    struct running running = library_call(library, timer->context, NO_ID);
-    struct _X_IPC_CONTEXT *owner = running.context;
+    struct running running = callback_of(library, timer->context, NO_ID);
     const TIMER_HANDLER_TYPE handler = timer->handler;
     void *client_data = timer->client_data;
     schedule(timer, now);
     timer->running = true;
     find_next(library);
-    library_call_begin(library, &running);
+    callback_begin(library, &running);
     handler(client_data, timer_milliseconds(now), timer_milliseconds(due));
-    library_call_end(library, &running);
+    callback_end(library, &running);
     timer->running = false;
-    if (owner != NULL) {
-        context_settle(owner);
-    }
     if (timer->removed || timer->left == 0) {
         timer_free(library, timer);
     }
@@ -198,7 +195,7 @@ static struct timer *next_due(struct library *library, uint64_t now, uint64_t pa
     for (; position != &library->timers; position = position->next) {
         struct timer *timer = timer_at(position);
         if (!timer->running && timer->due_ns <= now && timer->pass != pass &&
-            library_turn_is_free(library, timer->context)) {
+            callback_turn_is_free(library, timer->context)) {
             return timer;
         }
     }

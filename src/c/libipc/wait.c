@@ -3,28 +3,7 @@
  */
 #include "libipc/wait.h"
 
-#include <stdlib.h>
-
-#include "base/memory.h"
-#include "libipc/context.h"
-#include "libipc/direct.h"
-#include "libipc/exchange.h"
-#include "libipc/receive.h"
-#include "libipc/reconnect.h"
-#include "libipc/watch_fd.h"
-
-enum { FEW = 16 };
-
-/* What a wait is for: the items, and the context of each (NULL: the waker, or a user's descriptor).
- * Contexts are never freed, so these may be looked at again after the wait. */
-struct waiting {
-    struct ready_item *items;
-    struct _X_IPC_CONTEXT **contexts;
-    size_t n_items;
-    size_t capacity;
-    struct ready_item few_items[FEW];
-    struct _X_IPC_CONTEXT *few_contexts[FEW];
-};
+#include "libipc/event_set.h"
 
 uint64_t wait_deadline(unsigned int timeout_ms)
 {
@@ -37,147 +16,80 @@ bool wait_is_over(uint64_t deadline_ns)
     return deadline_ns != NO_DEADLINE && clock_ns() >= deadline_ns;
 }
 
-static void waiting_init(struct waiting *waiting)
+/* -------------------------------------------------------------------- sources */
+
+void wait_add(struct library *library, struct source *source)
 {
-    waiting->items = waiting->few_items;
-    waiting->contexts = waiting->few_contexts;
-    waiting->n_items = 0;
-    waiting->capacity = FEW;
+    list_append(&library->sources, &source->in_library);
+    wait_changed(library);
 }
 
-static void waiting_fini(struct waiting *waiting)
+void wait_remove(struct library *library, struct source *source)
 {
-    if (waiting->items != waiting->few_items) {
-        free(waiting->items);
-        free(waiting->contexts);
+    list_remove(&source->in_library);
+    if (library->waiting != NULL) {
+        source_list_forget(library->waiting, source);
     }
 }
 
-static void waiting_grow(struct waiting *waiting)
+void wait_wake(struct library *library)
 {
-    const size_t capacity = waiting->capacity * 2;
-    struct ready_item *items = mem_resize(NULL, capacity, sizeof *items);
-    struct _X_IPC_CONTEXT **contexts = mem_resize(NULL, capacity, sizeof(*contexts));
-    for (size_t i = 0; i < waiting->n_items; i++) {
-        items[i] = waiting->items[i];
-        contexts[i] = waiting->contexts[i];
+    if (library->polling) {
+        waker_wake(&library->waker);
     }
-    waiting_fini(waiting);
-    waiting->items = items;
-    waiting->contexts = contexts;
-    waiting->capacity = capacity;
+    if (library->sleepers > 0) {
+        condition_tell_all(library->changed);
+    }
 }
 
-static void waiting_add(void *waiting_pointer, int fd, int wanted, struct _X_IPC_CONTEXT *context)
+void wait_changed(struct library *library)
 {
-    struct waiting *waiting = waiting_pointer;
-    if (waiting->n_items == waiting->capacity) {
-        waiting_grow(waiting);
-    }
-    struct ready_item *item = &waiting->items[waiting->n_items];
-    item->fd = fd;
-    item->wanted = (short)wanted;
-    item->found = 0;
-    waiting->contexts[waiting->n_items++] = context;
+    wait_wake(library);
+    event_set_update(library);
 }
 
-/* Writes what waits to be written.  Returns whether that, or a loss, is what some thread waits for. */
-static bool flush_all(struct library *library)
+/* Writes what waits to be written.  Stops where that, or a loss, is what some thread waits for, and returns
+ * whether it has. */
+static bool write_all(struct library *library)
 {
-    bool came = false;
-    struct list *position = library->contexts.next;
-    for (; position != &library->contexts; position = position->next) {
-        struct _X_IPC_CONTEXT *context = context_at(position);
-        if (context_is_open(context) && link_waiting(&context->link) > 0) {
-            const IPC_ERROR_TYPE error = exchange_flush(context);
-            came = came || error != IPC_No_Error ||
-                   (context->writers > 0 && link_waiting(&context->link) == 0);
+    struct list *position = library->sources.next;
+    for (; position != &library->sources; position = position->next) {
+        struct source *source = source_at(position);
+        if (source->kind->write != NULL && source->kind->write(source)) {
+            return true;
         }
     }
-    return came;
+    return false;
 }
 
-/* Lists everything that may wake this thread. */
-static void gather(struct library *library, struct waiting *waiting)
+static void take_found(const struct source_list *list, uint64_t now)
 {
-    struct list *position = library->contexts.next;
-    for (; position != &library->contexts; position = position->next) {
-        struct _X_IPC_CONTEXT *context = context_at(position);
-        if (context_is_open(context)) {
-            const bool full = link_waiting(&context->link) > 0;
-            waiting_add(waiting, context->link.fd, full ? READY_READ | READY_WRITE : READY_READ,
-                        context);
-            direct_each_fd(context, waiting_add, waiting);
-        } else if (context->away != NULL && context->away->fd >= 0) {
-            waiting_add(waiting, context->away->fd, READY_WRITE, context);
-        }
-    }
-    if (library->waker.read_fd >= 0) {
-        waiting_add(waiting, library->waker.read_fd, READY_READ, NULL);
-    }
-}
-
-static void gather_fds(struct library *library, struct waiting *waiting)
-{
-    struct list *position = library->watched_fds.next;
-    for (; position != &library->watched_fds; position = position->next) {
-        const struct watched_fd *watched = LIST_OWNER(position, struct watched_fd, in_library);
-        if (!watched->ready && !watched->broken) {
-            waiting_add(waiting, watched->fd, READY_READ, NULL);
+    for (size_t i = 0; i < list->count; i++) {
+        struct source *source = list->sources[i];
+        if (source != NULL && (list->items[i].found != 0 || source->due_ns <= now)) {
+            source->kind->found(source, list->items[i].found);
         }
     }
 }
 
-static void mark_fd(struct library *library, const struct ready_item *item)
+uint64_t wait_due(const struct library *library)
 {
-    struct list *position = library->watched_fds.next;
-    for (; position != &library->watched_fds; position = position->next) {
-        struct watched_fd *watched = LIST_OWNER(position, struct watched_fd, in_library);
-        if (watched->fd == item->fd) {
-            watched->broken = (item->found & READY_INVALID) != 0;
-            watched->ready = !watched->broken;
-        }
+    uint64_t due = NO_DEADLINE;
+    struct list *position = library->sources.next;
+    for (; position != &library->sources; position = position->next) {
+        const struct source *source = source_at(position);
+        due = source->due_ns < due ? source->due_ns : due;
     }
+    return due;
 }
 
-static void take_found_central(struct _X_IPC_CONTEXT *context, int found)
-{
-    if (found & READY_WRITE) {
-        (void)exchange_flush(context); /* a loss shows in the context's state */
-    }
-    if (found & (READY_READ | READY_ERROR)) {
-        (void)receive(context); /* so does what came */
-    }
-}
+/* -------------------------------------------------------------------- waiting */
 
-static void take_found(struct library *library, const struct waiting *waiting)
-{
-    for (size_t i = 0; i < waiting->n_items; i++) {
-        const struct ready_item *item = &waiting->items[i];
-        struct _X_IPC_CONTEXT *context = waiting->contexts[i];
-        if (item->found == 0) {
-            continue;
-        }
-        if (context == NULL) {
-            if (item->fd == library->waker.read_fd) {
-                waker_clear(&library->waker);
-            } else {
-                mark_fd(library, item);
-            }
-        } else if (context_is_open(context) && context->link.fd == item->fd) {
-            take_found_central(context, item->found);
-        } else if (context_is_open(context)) {
-            direct_ready(context, item->fd, item->found);
-        }
-    }
-}
-
-/* Milliseconds until the deadline, the next timer or the next try to reconnect, -1 for ever, rounded up
- * so as not to wake early. */
+/* Milliseconds until the deadline or the next timer, -1 for ever, rounded up so as not to wake
+ * early. */
 static int64_t patience_ms(const struct library *library, uint64_t deadline_ns)
 {
-    const uint64_t due = reconnect_due(library);
-    uint64_t until = due < deadline_ns ? due : deadline_ns;
+    uint64_t until = deadline_ns;
     if (library->listeners > 0 && library->next_timer_ns < until) {
         until = library->next_timer_ns;
     }
@@ -190,36 +102,40 @@ static int64_t patience_ms(const struct library *library, uint64_t deadline_ns)
 
 static void wait_in_kernel(struct library *library, uint64_t deadline_ns)
 {
-    struct waiting waiting;
-    waiting_init(&waiting);
-    gather(library, &waiting);
+    struct source_list list;
+    source_list_init(&list, library);
+    source_list_add(&list, &library->sources);
     if (library->listeners > 0) {
-        gather_fds(library, &waiting);
+        source_list_add(&list, &library->watched_fds);
     }
-    const int64_t patience = patience_ms(library, deadline_ns);
+    const uint64_t due = wait_due(library);
+    const int64_t patience = patience_ms(library, due < deadline_ns ? due : deadline_ns);
+    library->waiting = &list;
     library->polling = true;
     library_leave(library);
-    const int found = ready_wait(waiting.items, waiting.n_items, patience);
+    const int found = ready_wait(list.items, list.count, patience);
     mutex_lock(library->lock);
     library->polling = false;
-    if (found > 0) {
-        take_found(library, &waiting);
+    if (list.items[0].found != 0) {
+        waker_clear(&library->waker);
     }
-    reconnect_turn(library); /* what it waited for may have come, or its time */
+    if (found > 0 || due != NO_DEADLINE) {
+        take_found(&list, due != NO_DEADLINE ? clock_ns() : 0);
+    }
+    library->waiting = NULL;
     if (library->sleepers > 0) {
         condition_tell_all(library->changed);
     }
-    waiting_fini(&waiting);
+    source_list_fini(&list);
 }
 
-/* Whether a connection has more to write than the kernel takes. */
-static bool is_any_full(struct library *library)
+/* Whether a source wants more by now than the thread in the kernel waits for. */
+static bool is_more_wanted(const struct source_list *list)
 {
-    struct list *position = library->contexts.next;
-    for (; position != &library->contexts; position = position->next) {
-        struct _X_IPC_CONTEXT *context = context_at(position);
-        if (context_is_open(context) &&
-            (link_waiting(&context->link) > 0 || context->draining > 0)) {
+    for (size_t i = 0; i < list->count; i++) {
+        const struct source *source = list->sources[i];
+        const int wanted = source != NULL ? source->kind->wanted(source) : NOT_WANTED;
+        if (wanted != NOT_WANTED && (wanted & ~list->items[i].wanted) != 0) {
             return true;
         }
     }
@@ -228,8 +144,8 @@ static bool is_any_full(struct library *library)
 
 static void wait_for_other(struct library *library, uint64_t deadline_ns)
 {
-    if (is_any_full(library)) {
-        waker_wake(&library->waker); /* the thread in the kernel may not wait for room yet */
+    if (is_more_wanted(library->waiting)) {
+        waker_wake(&library->waker); /* there may be something to write that had room before */
     }
     library->sleepers++;
     condition_wait(library->changed, library->lock, deadline_ns);
@@ -238,7 +154,7 @@ static void wait_for_other(struct library *library, uint64_t deadline_ns)
 
 void wait_turn(struct library *library, uint64_t deadline_ns)
 {
-    if (flush_all(library)) {
+    if (write_all(library)) {
         return;
     }
     if (library->polling) {
@@ -246,30 +162,4 @@ void wait_turn(struct library *library, uint64_t deadline_ns)
     } else {
         wait_in_kernel(library, deadline_ns);
     }
-}
-
-size_t wait_list(struct library *library, struct ready_item **items)
-{
-    struct waiting waiting;
-    waiting_init(&waiting);
-    gather(library, &waiting);
-    gather_fds(library, &waiting);
-    const size_t n_items = waiting.n_items;
-    *items = mem_resize(NULL, n_items + 1, sizeof **items);
-    for (size_t i = 0; i < n_items; i++) {
-        (*items)[i] = waiting.items[i];
-    }
-    waiting_fini(&waiting);
-    return n_items;
-}
-
-void wait_poll_fds(struct library *library)
-{
-    struct waiting waiting;
-    waiting_init(&waiting);
-    gather_fds(library, &waiting);
-    if (waiting.n_items > 0 && ready_wait(waiting.items, waiting.n_items, 0) > 0) {
-        take_found(library, &waiting);
-    }
-    waiting_fini(&waiting);
 }

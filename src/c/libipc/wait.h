@@ -1,16 +1,14 @@
 /*
  * Waiting.
  *
- * One thread at a time waits in the kernel, for all contexts and for everybody's
- * descriptors; the others wait for it.  Whoever wakes looks at what it was
- * waiting for and, if that has not come, waits again.
+ * One thread at a time waits in the kernel, for all sources; the others wait for
+ * it.  Whoever wakes looks at what it was waiting for and, if that has not come,
+ * waits again.
  */
 #ifndef IPC_LIBIPC_WAIT_H
 #define IPC_LIBIPC_WAIT_H
 
-#include "libipc/library.h"
-
-#define NO_DEADLINE UINT64_MAX
+#include "libipc/source.h"
 
 /* clock_ns() timeout_ms from now; IPC_WAIT_FOREVER gives NO_DEADLINE. */
 uint64_t wait_deadline(unsigned int timeout_ms);
@@ -18,14 +16,22 @@ uint64_t wait_deadline(unsigned int timeout_ms);
 /* Whether the deadline has passed. */
 bool wait_is_over(uint64_t deadline_ns);
 
+/* Every wait is for this source too, from now on. */
+void wait_add(struct library *library, struct source *source);
+
+/* No wait is for this source any more, and nothing refers to it; harmless if none was. */
+void wait_remove(struct library *library, struct source *source);
+
+/* Threads that wait, in the kernel or in turn, look again. */
+void wait_wake(struct library *library);
+
+/* What is to be waited for has changed: they look again, and so do other event loops. */
+void wait_changed(struct library *library);
+
 /* Writes what waits, then waits until something may have changed, or until the deadline. */
 void wait_turn(struct library *library, uint64_t deadline_ns);
 
-/* What a wait would be for, for those who wait elsewhere: how many items, in a list that the caller
- * frees. */
-size_t wait_list(struct library *library, struct ready_item **items);
-
-/* Looks without waiting whether descriptors of the user are ready. */
-void wait_poll_fds(struct library *library);
+/* When a source has something to do though nothing has arrived; NO_DEADLINE: never. */
+uint64_t wait_due(const struct library *library);
 
 #endif

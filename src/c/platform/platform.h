@@ -110,8 +110,8 @@ struct ready_item {
     short found;  /* also READY_ERROR, READY_INVALID */
 };
 
-/* Waits for any of a few descriptors, timeout_ms -1 for ever: number of items found, 0, or ERR_IO.
- * A signal does not end the wait. */
+/* Waits for any of a few descriptors (-1: none), timeout_ms -1 for ever: number of items found, 0, or
+ * ERR_IO.  A signal does not end the wait. */
 int ready_wait(struct ready_item *items, size_t n_items, int64_t timeout_ms);
 
 /* A set of many descriptors whose cost does not grow with those that are idle. */

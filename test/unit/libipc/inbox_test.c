@@ -10,8 +10,9 @@
 
 #include <cmocka.h>
 
-#include "libipc/compat.h"
+#include "libipc/closing.h"
 #include "libipc/inbox.h"
+#include "libipc/report.h"
 
 struct fixture {
     struct library *library;
@@ -34,7 +35,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     struct fixture *fixture = *state;
-    context_close(fixture->context, CONTEXT_CLOSED);
+    closing_end(fixture->context, CONTEXT_CLOSED);
     library_leave(fixture->library);
     free(fixture);
     return 0;

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "libipc/compat.h"
+#include "libipc/report.h"
 #include "libipc/timer.h"
 
 static char called[32]; /* the client data of the calls so far, a letter each */
