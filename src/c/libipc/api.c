@@ -4,6 +4,7 @@
 #include "libipc/api.h"
 
 #include "libipc/event_set.h"
+#include "libipc/wait.h"
 
 IPC_ERROR_TYPE api_enter(struct api *api)
 {
@@ -32,4 +33,12 @@ IPC_RETURN_TYPE api_leave(struct api *api, IPC_ERROR_TYPE error)
     }
     IPC_errno = IPC_Not_Connected; /* the loss has been reported; once is enough */
     return IPC_Error;
+}
+
+bool api_is_given_up(void)
+{
+    struct library *library = library_enter();
+    const bool given_up = wait_is_given_up(library);
+    library_leave(library);
+    return given_up;
 }

@@ -45,9 +45,10 @@ enum try_result {
 
 static bool await_greeting(struct _X_IPC_CONTEXT *context, uint64_t deadline_ns)
 {
-    while (context->greeting < GREETING_PARTS && context_is_open(context) &&
+    bool go_on = true;
+    while (go_on && context->greeting < GREETING_PARTS && context_is_open(context) &&
            !wait_is_over(deadline_ns)) {
-        wait_turn(context->library, deadline_ns);
+        go_on = wait_turn(context->library, deadline_ns);
     }
     return context->greeting == GREETING_PARTS && context_is_open(context);
 }
@@ -287,10 +288,13 @@ static enum try_result try_once(const char *module, const char *server, bool wil
 {
     int fd;
     bool local;
-    if (address_connect(address, CONNECT_TIMEOUT_MS, &fd, &local) != 0) {
+    struct library *library = library_enter();
+    int (*const give_up)(void) = library->give_up;
+    library_leave(library);
+    if (address_connect(address, CONNECT_TIMEOUT_MS, give_up, &fd, &local) != 0) {
         return TRY_NOBODY;
     }
-    struct library *library = library_enter();
+    library = library_enter();
     struct _X_IPC_CONTEXT *context =
         context_new(library, fd, module, server, address->port, will_listen);
     context->local = local;
@@ -358,7 +362,9 @@ static IPC_RETURN_TYPE try_often(const char *module, const char *server, bool by
         if (result == TRY_MISMATCH) {
             break; /* trying again would not change it */
         }
-        (void)ready_wait(NULL, 0, PAUSE_MS);
+        if (!wait_pause(PAUSE_MS)) {
+            break;
+        }
     }
     return report(IPC_Not_Connected);
 }

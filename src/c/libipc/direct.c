@@ -85,8 +85,9 @@ void direct_drain(struct peer *peer, uint64_t mark)
     (void)peer_ref(peer); /* the list may give up the last other reference */
     context->draining++;
     const bool broken = peer->link.fd >= 0 && link_flush(&peer->link) < 0;
-    while (!broken && peer->link.fd >= 0 && peer->link.written < mark) {
-        wait_turn(context->library, NO_DEADLINE);
+    bool given_up = false; /* then it leaves later */
+    while (!broken && !given_up && peer->link.fd >= 0 && peer->link.written < mark) {
+        given_up = !wait_turn(context->library, NO_DEADLINE) && link_keep_borrowed(&peer->link);
     }
     context->draining--;
     if (broken) {
@@ -228,7 +229,7 @@ static struct peer *open_outgoing(struct _X_IPC_CONTEXT *context, const char *ho
     }
     address.port = port;
     library_leave(context->library);
-    const int error = address_connect(&address, CONNECT_TIMEOUT_MS, &fd, NULL);
+    const int error = address_connect(&address, CONNECT_TIMEOUT_MS, context->library->give_up, &fd, NULL);
     mutex_lock(context->library->lock);
     if (error != 0) {
         return NULL;

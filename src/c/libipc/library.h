@@ -56,6 +56,7 @@ struct library {
     bool polling;              /* a thread waits in the kernel for all others */
     unsigned sleepers;         /* threads that wait for it in turn */
     unsigned listeners;        /* threads inside a listening call */
+    int (*give_up)(void);      /* whether the thread that asks should wait no longer; NULL: never */
     struct waker waker;        /* ends the wait in the kernel */
 
     bool initialised;

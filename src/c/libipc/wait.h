@@ -18,8 +18,15 @@ uint64_t wait_deadline(unsigned int timeout_ms);
 /* Whether the deadline has passed. */
 bool wait_is_over(uint64_t deadline_ns);
 
-/* Writes what waits, then waits until something may have changed, or until the deadline. */
-void wait_turn(struct library *library, uint64_t deadline_ns);
+/* Writes what waits, then waits until something may have changed, or until the deadline.  Returns
+ * whether to go on waiting if it has not: false when the program gives up. */
+bool wait_turn(struct library *library, uint64_t deadline_ns);
+
+/* Whether the program gives up what this thread waits for.  The lock is given up while it is asked. */
+bool wait_is_given_up(struct library *library);
+
+/* Waits so long for nothing, without the lock; false when the program gives up. */
+bool wait_pause(int milliseconds);
 
 /* What a wait would be for, for those who wait elsewhere: how many items, in a list that the caller
  * frees. */
