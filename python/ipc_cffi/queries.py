@@ -1,0 +1,174 @@
+"""Queries and responses [manual 5, 6.13 to 6.15]."""
+from __future__ import annotations
+
+from typing import Any, Callable, Optional, Tuple
+
+from ._ffi import ffi, lib
+from .bytearrays import BYTE_ARRAY, IPC_VARCONTENT_TYPE
+from .constants import (IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE,
+                        IPC_Wrong_Buffer_Length)
+from .errors import fail, raise_error
+from .handlers import MSG_INSTANCE, Handler, check_handler, current_context
+from .library import Text, listen, number_argument, text_argument
+from .messages import content_arguments, formatter_to_send, instance_argument, send_data
+from .subscriptions import Arrival, byte_array, received
+from .values import BadBytes
+
+# ------------------------------------------------------------------- answering
+
+def IPC_respond(msgInstance: Optional[MSG_INSTANCE], msgName: Text, length: int,
+                content: Any) -> IPC_RETURN_TYPE:
+    """Answers a query with bytes."""
+    return listen(lib.IPC_respond, instance_argument(msgInstance), text_argument(msgName),
+                  *content_arguments(length, content))
+
+
+def IPC_respondVC(msgInstance: Optional[MSG_INSTANCE], msgName: Text,
+                  varcontent: Optional[IPC_VARCONTENT_TYPE]) -> IPC_RETURN_TYPE:
+    """Answers a query with the bytes of varcontent."""
+    if varcontent is None:
+        return fail(IPC_Null_Argument)
+    return IPC_respond(msgInstance, msgName, varcontent.length, varcontent.content)
+
+
+def IPC_respondData(msgInstance: Optional[MSG_INSTANCE], msgName: Text,
+                    data: Any) -> IPC_RETURN_TYPE:
+    """Answers a query with data, encoded by the format of the message msgName."""
+    instance = instance_argument(msgInstance)
+    if instance == ffi.NULL:
+        return fail(IPC_Null_Argument)
+    formatter, found = formatter_to_send(msgName)
+    if not found:
+        return raise_error()
+    return send_data(lambda *arguments: listen(lib.IPC_respond, instance, *arguments), msgName,
+                     formatter, data)
+
+
+def IPC_delayResponse(msgInstance: Optional[MSG_INSTANCE]) -> IPC_RETURN_TYPE:
+    """Keeps an instance valid after its handler, until it is answered."""
+    return listen(lib.IPC_delayResponse, instance_argument(msgInstance))
+
+
+# ------------------------------------------------------- asking without waiting
+
+class Reply(Arrival):
+    """The handler of the first reply to one query."""
+
+    def arrived(self, instance: MSG_INSTANCE, content: bytes, order: str) -> None:
+        self.end()
+        super().arrived(instance, content, order)
+
+
+def query_notify(name: Any, length: int, content: Any, handler: Optional[Handler],
+                 clientData: Any, decoded: bool, cls: Optional[type]) -> Optional[Reply]:
+    """Sends a query; the reply, if one is to come, None if sending has failed."""
+    if handler is not None:
+        check_handler(handler)
+    reply = Reply(current_context(), handler or (lambda *ignored: None), clientData, decoded, cls)
+    result = None
+    try:
+        result = listen(lib.glue_query_notify, name, length, content, reply.number)
+    finally:
+        if result != IPC_OK:
+            reply.end()
+    return reply if result == IPC_OK else None
+
+
+def IPC_queryNotify(msgName: Text, length: int, content: Any,
+                    handler: Callable[[MSG_INSTANCE, Optional[BYTE_ARRAY], Any], Any],
+                    clientData: Any = None) -> IPC_RETURN_TYPE:
+    """Sends a query; handler is called with the bytes of the answer."""
+    number, view = content_arguments(length, content)
+    return _done(query_notify(text_argument(msgName), number, view, handler, clientData, False,
+                              None))
+
+
+def _done(reply: Optional[Reply]) -> IPC_RETURN_TYPE:
+    return IPC_OK if reply is not None else raise_error()
+
+
+def IPC_queryNotifyVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE],
+                      handler: Callable[[MSG_INSTANCE, Optional[BYTE_ARRAY], Any], Any],
+                      clientData: Any = None) -> IPC_RETURN_TYPE:
+    """The same with the bytes of varcontent."""
+    if varcontent is None:
+        return fail(IPC_Null_Argument)
+    return IPC_queryNotify(msgName, varcontent.length, varcontent.content, handler, clientData)
+
+
+def IPC_queryNotifyData(msgName: Text, data: Any,
+                        handler: Callable[[MSG_INSTANCE, Any, Any], Any], clientData: Any = None,
+                        responseClass: Optional[type] = None) -> IPC_RETURN_TYPE:
+    """Sends a query with data; handler is called with the data of the answer."""
+    formatter, found = formatter_to_send(msgName)
+    if not found:
+        return raise_error()
+    return send_data(
+        lambda *arguments: _done(query_notify(*arguments, handler, clientData, True,
+                                              responseClass)),
+        msgName, formatter, data)
+
+
+# ---------------------------------------------------------- asking and waiting
+
+Taken = Callable[[Any, bytes, str], Any]
+
+
+def _query(take: Taken, name: Any, length: int, content: Any,
+           timeout: int) -> Tuple[Any, IPC_RETURN_TYPE]:
+    """Sends a query and waits; what take makes of the reply's formatter, bytes and order."""
+    reply = ffi.new("struct reply *")
+    try:
+        result = listen(lib.glue_query, name, length, content, timeout, reply)
+        if result != IPC_OK:
+            return None, result
+        data = b""
+        if reply.content != ffi.NULL:
+            data = ffi.buffer(reply.content, reply.length)[:]
+    finally:
+        if reply.content != ffi.NULL:
+            lib.IPC_freeByteArray(reply.content)
+    try:
+        return take(reply.formatter, data, "big" if reply.is_big_endian else "little"), IPC_OK
+    except BadBytes:
+        return None, fail(IPC_Wrong_Buffer_Length)
+
+
+def IPC_queryResponse(msgName: Text, length: int, content: Any,
+                      timeout: Any) -> Tuple[Optional[BYTE_ARRAY], IPC_RETURN_TYPE]:
+    """Sends a query and listens until the answer is there: its bytes, and the result."""
+    number, view = content_arguments(length, content)
+    return _query(lambda formatter, data, order: byte_array(data, order), text_argument(msgName),
+                  number, view, number_argument(timeout, "timeout"))
+
+
+def IPC_queryResponseVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE],
+                        timeout: Any) -> Tuple[Optional[BYTE_ARRAY], IPC_RETURN_TYPE]:
+    """The same with the bytes of varcontent."""
+    if varcontent is None:
+        return None, fail(IPC_Null_Argument)
+    return IPC_queryResponse(msgName, varcontent.length, varcontent.content, timeout)
+
+
+def IPC_queryResponseData(msgName: Text, data: Any, timeoutMSecs: Any,
+                          responseClass: Optional[type] = None) -> Tuple[Any, IPC_RETURN_TYPE]:
+    """Sends a query with data and listens until the answer is there: its data, and the result."""
+    formatter, found = formatter_to_send(msgName)
+    if not found:
+        return None, raise_error()
+    timeout = number_argument(timeoutMSecs, "timeoutMSecs")
+    answer: Any = None
+
+    def send(*arguments: Any) -> IPC_RETURN_TYPE:
+        nonlocal answer
+        answer, result = _query(
+            lambda formatter, data, order: received(formatter, data, order, responseClass),
+            *arguments, timeout)
+        return result
+    result = send_data(send, msgName, formatter, data)
+    return answer, result
+
+
+__all__ = ["IPC_respond", "IPC_respondVC", "IPC_respondData", "IPC_delayResponse",
+           "IPC_queryNotify", "IPC_queryNotifyVC", "IPC_queryNotifyData", "IPC_queryResponse",
+           "IPC_queryResponseVC", "IPC_queryResponseData"]

@@ -1,0 +1,270 @@
+"""Codecs of arrays.
+
+The elements of an array of any number of dimensions follow one another.  A Row encodes and decodes
+so many of them; for numbers that is one step, without a look at each.
+"""
+from __future__ import annotations
+
+import array
+import struct
+import sys
+from typing import Any, Iterator, List, Optional, Sequence, Tuple
+
+from .codec import Codec, Reader
+from .misfit import BadBytes, Misfit, expected
+from .scalars import NATIVE, PREFIX, Scalar
+
+#: How many elements an array of elements without bytes may have.
+LARGEST_EMPTY = 1 << 16
+
+
+class Row:
+    """Elements in a row."""
+
+    def __init__(self, element: Codec) -> None:
+        self.element = element
+
+    def encode(self, values: Sequence[Any], count: int, out: bytearray) -> None:
+        """Appends the first count elements."""
+        for index in range(count):
+            try:
+                self.element.encode(values[index], out)
+            except Misfit as misfit:
+                raise misfit.inside(f"[{index}]") from None
+
+    def reader(self, order: str, cls: Optional[type]) -> RowReader:
+        return RowReader(self.element.reader(order, cls), self.element.least)
+
+
+class RowReader:
+    """Reads elements in a row into a list."""
+
+    def __init__(self, read: Reader, least: int) -> None:
+        self._read = read
+        self._least = least
+
+    def read(self, data: bytes, at: int, count: int) -> Tuple[List[Any], int]:
+        if count < 0 or count * self._least > len(data) - at or (
+                not self._least and count > LARGEST_EMPTY):
+            raise BadBytes
+        values = []
+        for _ in range(count):
+            value, at = self._read(data, at)
+            values.append(value)
+        return values, at
+
+
+# ------------------------------------------------------------ rows of numbers
+
+_TYPECODES = {(code.lower(), array.array(code).itemsize): code.lower() for code in "bhilqfd"}
+
+
+def typecode(code: str) -> str:
+    """The letter of the module array for a letter of struct with standard size."""
+    letter = _TYPECODES[code.lower(), struct.calcsize("=" + code)]
+    return letter if code.islower() else letter.upper()
+
+
+class NumberRow(Row):
+    """Scalars in a row."""
+
+    element: Scalar
+
+    def __init__(self, element: Scalar) -> None:
+        super().__init__(element)
+        self._code = element.code
+        self._typecode = typecode(element.code)
+
+    def encode(self, values: Sequence[Any], count: int, out: bytearray) -> None:
+        if self.element.to_wire is not None:
+            out += self._exact(values, count, self.element.to_wire)
+            return
+        if isinstance(values, (list, tuple)):
+            row = values if len(values) == count else values[:count]
+            try:
+                out += array.array(self._typecode, row)
+                return
+            except Exception:  # what struct or array refuse is looked at one by one
+                pass
+        elif _encode_buffer(self._typecode, values, count, out):
+            return
+        out += self._exact(values, count, self.element.exact)
+
+    def _exact(self, values: Sequence[Any], count: int, exact: Any) -> bytes:
+        numbers = []
+        for index in range(count):
+            try:
+                numbers.append(exact(values[index]))
+            except Misfit as misfit:
+                raise misfit.inside(f"[{index}]") from None
+        return struct.pack(f"{NATIVE}{count}{self._code}", *numbers)
+
+    def reader(self, order: str, cls: Optional[type]) -> RowReader:
+        return NumberRowReader(self.element, order, self._typecode)
+
+
+def _encode_buffer(code: str, values: Any, count: int, out: bytearray) -> bool:
+    """Appends numbers that lie in memory as they travel; whether they do."""
+    try:
+        view = memoryview(values)
+    except TypeError:
+        return False
+    if view.ndim != 1 or view.format not in _same_formats(code):
+        return False
+    out += view[:count].tobytes()
+    return True
+
+
+def _same_formats(code: str) -> Tuple[str, ...]:
+    """All letters that mean numbers of that kind and size here."""
+    if code in "fd":
+        return (code,)
+    size = array.array(code).itemsize
+    letters = "bhilq" if code.islower() else "BHILQ"
+    return tuple(letter for letter in letters if struct.calcsize(letter) == size)
+
+
+class NumberRowReader(RowReader):
+    """Reads scalars in a row."""
+
+    def __init__(self, element: Scalar, order: str, code: str) -> None:
+        super().__init__(element.reader(order, None), element.least)
+        self._size = element.least
+        self._code = code
+        self._swap = order != sys.byteorder and element.least > 1
+        self._from_wire = element.from_wire
+
+    def read(self, data: bytes, at: int, count: int) -> Tuple[List[Any], int]:
+        end = at + count * self._size
+        if count < 0 or end > len(data):
+            raise BadBytes
+        numbers = array.array(self._code, data[at:end])
+        if self._swap:
+            numbers.byteswap()
+        if self._from_wire is not None:
+            return list(map(self._from_wire, numbers)), end
+        return numbers.tolist(), end
+
+
+class CharacterRow(NumberRow):
+    """Characters in a row, which may be given as one text."""
+
+    def encode(self, values: Sequence[Any], count: int, out: bytearray) -> None:
+        if isinstance(values, str):
+            try:
+                values = values.encode("latin-1")
+            except UnicodeEncodeError:
+                expected("characters up to \\xff", values)
+        if isinstance(values, (bytes, bytearray)):
+            out += values[:count]
+        else:
+            super().encode(values, count, out)
+
+
+class ByteRow(NumberRow):
+    """Bytes in a row, which may be given as such."""
+
+    def encode(self, values: Sequence[Any], count: int, out: bytearray) -> None:
+        if isinstance(values, (bytes, bytearray)):
+            out += values[:count]
+        else:
+            super().encode(values, count, out)
+
+
+def row_of(element: Codec) -> Row:
+    if not isinstance(element, Scalar):
+        return Row(element)
+    if element.code not in "bB":
+        return NumberRow(element)
+    return ByteRow(element) if element.to_wire is None else CharacterRow(element)
+
+
+# ----------------------------------------------------------------- dimensions
+
+def check_sequence(values: Any, count: int, row: Optional[Row]) -> None:
+    """Whether there are so many elements; row is None where the elements are rows themselves."""
+    takes_text = isinstance(row, CharacterRow)
+    takes_bytes = isinstance(row, (CharacterRow, ByteRow))
+    if isinstance(values, str) and not takes_text or (
+            isinstance(values, (bytes, bytearray)) and not takes_bytes):
+        expected(f"a sequence of {count}", values)
+    try:
+        length = len(values)
+    except TypeError:
+        expected(f"a sequence of {count}", values)
+    if isinstance(values, (dict, set, frozenset)) or not hasattr(values, "__getitem__"):
+        expected(f"a sequence of {count}", values)
+    if length < count:
+        raise Misfit(ValueError, f"expected {count} elements, got {length}")
+
+
+def encode_nested(row: Row, values: Any, dimensions: Sequence[int], out: bytearray) -> None:
+    """Appends an array of several dimensions, in nested sequences."""
+    count = dimensions[0]
+    if len(dimensions) == 1:
+        check_sequence(values, count, row)
+        row.encode(values, count, out)
+        return
+    if isinstance(row, NumberRow) and _encode_block(row, values, dimensions, out):
+        return
+    check_sequence(values, count, None)
+    for index in range(count):
+        try:
+            encode_nested(row, values[index], dimensions[1:], out)
+        except Misfit as misfit:
+            raise misfit.inside(f"[{index}]") from None
+
+
+def _encode_block(row: NumberRow, values: Any, dimensions: Sequence[int], out: bytearray) -> bool:
+    """Appends numbers of several dimensions that lie in memory as they travel; whether they do."""
+    if isinstance(values, (list, tuple)) or row.element.to_wire is not None:
+        return False
+    try:
+        view = memoryview(values)
+    except TypeError:
+        return False
+    if tuple(view.shape or ()) != tuple(dimensions) or (
+            view.format not in _same_formats(typecode(row.element.code))):
+        return False
+    out += view.tobytes()
+    return True
+
+
+def _chunks(values: List[Any], size: int) -> Iterator[List[Any]]:
+    return (values[start:start + size] for start in range(0, len(values), size))
+
+
+def shaped(values: List[Any], dimensions: Sequence[int]) -> List[Any]:
+    """Elements in a row as nested lists of these dimensions."""
+    for size in reversed(dimensions[1:]):
+        if size == 0:
+            return [shaped([], dimensions[1:]) for _ in range(dimensions[0])]
+        values = list(_chunks(values, size))
+    return values
+
+
+class FixedArray(Codec):
+    """An array whose dimensions are part of the format."""
+
+    def __init__(self, element: Codec, dimensions: Sequence[int]) -> None:
+        self._row = row_of(element)
+        self._dimensions = tuple(dimensions)
+        self._count = 1
+        for size in dimensions:
+            self._count *= size
+        self.least = self._count * element.least
+
+    def encode(self, value: Any, out: bytearray) -> None:
+        encode_nested(self._row, value, self._dimensions, out)
+
+    def reader(self, order: str, cls: Optional[type]) -> Reader:
+        read_row, count = self._row.reader(order, cls).read, self._count
+        dimensions = self._dimensions
+
+        def read(data: bytes, at: int) -> Tuple[List[Any], int]:
+            return read_row(data, at, count)
+
+        def read_nested(data: bytes, at: int) -> Tuple[List[Any], int]:
+            values, at = read_row(data, at, count)
+            return shaped(values, dimensions), at
+        return read if len(dimensions) == 1 else read_nested
