@@ -135,6 +135,11 @@ def _leave_all(disconnect: Any, *arguments: Any) -> None:
     _connected.clear()
 
 
+def disconnect_all() -> None:
+    """Ends all connections."""
+    _leave_all(lib.IPC_disconnect)
+
+
 def _after_fork() -> None:
     """The connection stays the parent's; this process closes its copy of it."""
     _leave_all(lib.x_ipcCloseInternal, 0)
@@ -142,7 +147,7 @@ def _after_fork() -> None:
 
 def _at_exit() -> None:
     end()
-    _leave_all(lib.IPC_disconnect)
+    disconnect_all()
 
 
 atexit.register(_at_exit)
