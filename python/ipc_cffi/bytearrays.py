@@ -71,18 +71,21 @@ def IPC_freeByteArray(byteArray: Optional[BytesLike]) -> None:
 
 
 def bytes_argument(content: Any, length: Optional[int] = None) -> Tuple[Any, int]:
-    """A buffer to send and the number of its bytes; the first length of them if that is given."""
+    """A buffer to send and how many of its bytes: length, or all."""
     if content is None:
         if length:
             raise ValueError(f"{length} bytes are to be sent, and there are none")
         return None, 0
     try:
-        view = memoryview(content).cast("B")
+        with memoryview(content) as view:
+            available = view.nbytes
+            if not view.c_contiguous:
+                content = view.tobytes()
     except TypeError:
         raise TypeError(f"bytes are needed, not {type(content).__name__}; "
                         "IPC_publishData and the like send other data") from None
     if length is None:
-        length = view.nbytes
-    if length > view.nbytes:
-        raise ValueError(f"{length} bytes are to be sent, and there are only {view.nbytes}")
-    return view[:length], length
+        length = available
+    if length > available:
+        raise ValueError(f"{length} bytes are to be sent, and there are only {available}")
+    return content, length

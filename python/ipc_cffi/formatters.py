@@ -163,8 +163,8 @@ def IPC_printData(formatter: Optional[FORMATTER_PTR], stream: Any, data: Any) ->
         return fail(IPC_Null_Argument)
     assert formatter is not None
     begin()
-    content = ffi.from_buffer(encode(formatter, data))
-    text = lib.glue_print(formatter.pointer, content, len(content))
+    with ffi.from_buffer(encode(formatter, data)) as content:
+        text = lib.glue_print(formatter.pointer, content, len(content))
     if text == ffi.NULL:
         return raise_error()
     try:

@@ -6,7 +6,6 @@ is not in the table any more means nothing: late calls do no harm.
 from __future__ import annotations
 
 import itertools
-import sys
 import threading
 from typing import Any, Callable, Dict, Generic, Iterator, List, Optional, TypeVar
 
@@ -143,8 +142,8 @@ def run(handler: Handler, *arguments: Any) -> None:
     """Calls one of several handlers, so that the others are called even if it fails."""
     try:
         handler(*arguments)
-    except BaseException:
-        handler_failed(*sys.exc_info())  # type: ignore[arg-type]
+    except BaseException as failure:
+        handler_failed(type(failure), failure, failure.__traceback__)
 
 
 @ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]

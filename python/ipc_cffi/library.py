@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import threading
 from types import TracebackType
-from typing import Any, Callable, Optional, Type, Union
+from typing import Any, Callable, Optional, Tuple, Type, Union
 
 from ._ffi import ffi, lib
 from .constants import IPC_Not_Connected, IPC_RETURN_TYPE
@@ -96,14 +96,25 @@ def listen(function: Callable[..., int], *arguments: Any) -> IPC_RETURN_TYPE:
     return result(waits(function, *arguments))
 
 
+def send(function: Callable[..., int], before: Tuple[Any, ...], length: int, content: Any,
+         *after: Any) -> IPC_RETURN_TYPE:
+    """Calls a function of the library that takes bytes behind other arguments."""
+    if content is None:
+        return listen(function, *before, length, ffi.NULL, *after)
+    # Given back at once: what an exception keeps alive would not be otherwise.
+    with ffi.from_buffer(content) as view:
+        return listen(function, *before, length, view, *after)
+
+
 def handler_failed(kind: Type[BaseException], failure: BaseException,
                    trace: Optional[TracebackType]) -> None:
     """Keeps an exception that left a handler for the call that the handler runs in."""
     call = _thread.call
     if call is not None and call.failure is None:
-        call.failure = failure
+        call.failure = failure.with_traceback(trace)
     else:
-        sys.unraisablehook(_Unraisable(kind, failure, trace))
+        report: Any = _Unraisable(kind, failure, trace)
+        sys.unraisablehook(report)
 
 
 class _Unraisable:
@@ -135,12 +146,11 @@ def py_loss() -> None:
 
 
 def begin() -> None:
-    """Before the library is used in earnest."""
+    """Before the library is initialised or connected: that forgets what was arranged before."""
     if _State.ended:
         raise RuntimeError("IPC cannot be used while Python ends")
-    if not _State.begun:
-        _State.begun = True
-        lib.glue_begin()
+    _State.begun = True
+    lib.glue_begin()
 
 
 class _State:

@@ -140,7 +140,7 @@ _timers: Table[Timer] = Table()
 
 
 def _delay(tdelay: Any) -> int:
-    return math.ceil(tdelay)
+    return int(math.ceil(tdelay))
 
 
 def _add_timer(tdelay: Any, count: int, handler: Any, clientData: Any,

@@ -2,19 +2,16 @@
 [manual 4.20 to 4.25, 4.37 to 4.41, 6.12]."""
 from __future__ import annotations
 
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Optional, Tuple
 
 from ._ffi import ffi, lib
 from .bytearrays import IPC_VARCONTENT_TYPE, bytes_argument
-from .constants import (IPC_FIXED_LENGTH, IPC_Null_Argument,
-                        IPC_RETURN_TYPE, IPC_VARIABLE_LENGTH)
+from .constants import (IPC_Error, IPC_FIXED_LENGTH, IPC_Null_Argument, IPC_RETURN_TYPE,
+                        IPC_VARIABLE_LENGTH)
 from .errors import fail, raise_error
 from .formatters import FORMATTER_PTR, IPC_msgFormatter, ask_for_formatter, encode
 from .handlers import MSG_INSTANCE
-from .library import Text, listen, number_argument, text_argument, to_text, waits
-
-#: A function that sends bytes: name, length and bytes are put behind its own arguments.
-Send = Callable[..., IPC_RETURN_TYPE]
+from .library import Text, listen, number_argument, send, text_argument, to_text, waits
 
 
 def instance_argument(msgInstance: Any) -> Any:
@@ -61,19 +58,19 @@ def IPC_setMsgPriority(msgName: Text, priority: int) -> IPC_RETURN_TYPE:
 # --------------------------------------------------------------------- sending
 
 def content_arguments(length: Any, content: Any) -> Tuple[int, Any]:
-    """Length and bytes as the library gets them, never more bytes than there are."""
+    """The number of bytes, never more than there are, and where they are."""
     number = number_argument(length, "length")
     if number == IPC_VARIABLE_LENGTH:
-        return number, ffi.NULL  # the library refuses it before it looks at the bytes
-    view, number = bytes_argument(content, None if number == IPC_FIXED_LENGTH else number)
-    return number, ffi.NULL if view is None else ffi.from_buffer(view)
+        return number, None  # the library refuses it before it looks at the bytes
+    content, number = bytes_argument(content, None if number == IPC_FIXED_LENGTH else number)
+    return number, content
 
 
 def IPC_publish(msgName: Text, length: int, content: Any) -> IPC_RETURN_TYPE:
     """Sends bytes to all who subscribe to the message."""
     if number_argument(length, "length") == IPC_FIXED_LENGTH:
         return IPC_publishFixed(msgName, content)
-    return listen(lib.IPC_publish, text_argument(msgName), *content_arguments(length, content))
+    return send(lib.IPC_publish, (text_argument(msgName),), *content_arguments(length, content))
 
 
 def IPC_publishVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE]) -> IPC_RETURN_TYPE:
@@ -85,32 +82,31 @@ def IPC_publishVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE]) -> I
 
 def IPC_publishFixed(msgName: Text, content: Any) -> IPC_RETURN_TYPE:
     """Sends bytes, as many as the message was defined with."""
-    number, view = content_arguments(IPC_FIXED_LENGTH, content)
-    return listen(lib.glue_publish_fixed, text_argument(msgName), number, view)
+    return send(lib.glue_publish_fixed, (text_argument(msgName),),
+                *content_arguments(IPC_FIXED_LENGTH, content))
 
 
-def send_data(send: Send, name: Text, formatter: Optional[FORMATTER_PTR],
-              data: Any) -> IPC_RETURN_TYPE:
-    """Encodes data by the format of a message and sends it."""
-    content = encode(formatter, data)
-    return send(text_argument(name), len(content),
-                ffi.from_buffer(content) if content else ffi.NULL)
-
-
-def formatter_to_send(msgName: Text) -> Tuple[Optional[FORMATTER_PTR], bool]:
-    """The formatter of a message, and whether there is such a message."""
+def encoded_for(msgName: Text, data: Any) -> Tuple[int, Optional[bytearray]]:
+    """Data in the format of a message: their length and bytes.  Raises IPCError or Refused."""
     lib.IPC_errno = 0
     formatter = IPC_msgFormatter(msgName)
-    return formatter, formatter is not None or lib.IPC_errno == 0
+    if formatter is None and lib.IPC_errno:
+        raise Refused
+    content = encode(formatter, data)
+    return len(content), content or None
+
+
+class Refused(Exception):
+    """The library refuses the call; its error is in IPC_errno, and was reported."""
 
 
 def IPC_publishData(msgName: Text, data: Any) -> IPC_RETURN_TYPE:
     """Encodes data by the format of the message, and publishes it."""
-    formatter, found = formatter_to_send(msgName)
-    if not found:
-        return raise_error()
-    return send_data(lambda *arguments: listen(lib.IPC_publish, *arguments), msgName, formatter,
-                     data)
+    try:
+        length, content = encoded_for(msgName, data)
+    except Refused:
+        return IPC_Error
+    return send(lib.IPC_publish, (text_argument(msgName),), length, content)
 
 
 # ------------------------------------------------------------------- instances

@@ -5,12 +5,12 @@ from typing import Any, Callable, Optional, Tuple
 
 from ._ffi import ffi, lib
 from .bytearrays import BYTE_ARRAY, IPC_VARCONTENT_TYPE
-from .constants import (IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE,
+from .constants import (IPC_Error, IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE,
                         IPC_Wrong_Buffer_Length)
-from .errors import fail, raise_error
+from .errors import fail
 from .handlers import MSG_INSTANCE, Handler, check_handler, current_context
-from .library import Text, listen, number_argument, text_argument
-from .messages import content_arguments, formatter_to_send, instance_argument, send_data
+from .library import Text, listen, number_argument, send, text_argument
+from .messages import Refused, content_arguments, encoded_for, instance_argument
 from .subscriptions import Arrival, byte_array, received
 from .values import BadBytes
 
@@ -19,8 +19,8 @@ from .values import BadBytes
 def IPC_respond(msgInstance: Optional[MSG_INSTANCE], msgName: Text, length: int,
                 content: Any) -> IPC_RETURN_TYPE:
     """Answers a query with bytes."""
-    return listen(lib.IPC_respond, instance_argument(msgInstance), text_argument(msgName),
-                  *content_arguments(length, content))
+    return send(lib.IPC_respond, (instance_argument(msgInstance), text_argument(msgName)),
+                *content_arguments(length, content))
 
 
 def IPC_respondVC(msgInstance: Optional[MSG_INSTANCE], msgName: Text,
@@ -37,11 +37,11 @@ def IPC_respondData(msgInstance: Optional[MSG_INSTANCE], msgName: Text,
     instance = instance_argument(msgInstance)
     if instance == ffi.NULL:
         return fail(IPC_Null_Argument)
-    formatter, found = formatter_to_send(msgName)
-    if not found:
-        return raise_error()
-    return send_data(lambda *arguments: listen(lib.IPC_respond, instance, *arguments), msgName,
-                     formatter, data)
+    try:
+        length, content = encoded_for(msgName, data)
+    except Refused:
+        return IPC_Error
+    return send(lib.IPC_respond, (instance, text_argument(msgName)), length, content)
 
 
 def IPC_delayResponse(msgInstance: Optional[MSG_INSTANCE]) -> IPC_RETURN_TYPE:
@@ -59,15 +59,16 @@ class Reply(Arrival):
         super().arrived(instance, content, order)
 
 
-def query_notify(name: Any, length: int, content: Any, handler: Optional[Handler],
+def query_notify(msgName: Text, length: int, content: Any, handler: Optional[Handler],
                  clientData: Any, decoded: bool, cls: Optional[type]) -> Optional[Reply]:
-    """Sends a query; the reply, if one is to come, None if sending has failed."""
+    """Sends a query; the reply that is to come, None if sending has failed."""
     if handler is not None:
         check_handler(handler)
     reply = Reply(current_context(), handler or (lambda *ignored: None), clientData, decoded, cls)
     result = None
     try:
-        result = listen(lib.glue_query_notify, name, length, content, reply.number)
+        result = send(lib.glue_query_notify, (text_argument(msgName),), length, content,
+                      reply.number)
     finally:
         if result != IPC_OK:
             reply.end()
@@ -78,13 +79,9 @@ def IPC_queryNotify(msgName: Text, length: int, content: Any,
                     handler: Callable[[MSG_INSTANCE, Optional[BYTE_ARRAY], Any], Any],
                     clientData: Any = None) -> IPC_RETURN_TYPE:
     """Sends a query; handler is called with the bytes of the answer."""
-    number, view = content_arguments(length, content)
-    return _done(query_notify(text_argument(msgName), number, view, handler, clientData, False,
-                              None))
-
-
-def _done(reply: Optional[Reply]) -> IPC_RETURN_TYPE:
-    return IPC_OK if reply is not None else raise_error()
+    reply = query_notify(msgName, *content_arguments(length, content), handler, clientData, False,
+                         None)
+    return IPC_OK if reply is not None else IPC_Error
 
 
 def IPC_queryNotifyVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE],
@@ -100,13 +97,12 @@ def IPC_queryNotifyData(msgName: Text, data: Any,
                         handler: Callable[[MSG_INSTANCE, Any, Any], Any], clientData: Any = None,
                         responseClass: Optional[type] = None) -> IPC_RETURN_TYPE:
     """Sends a query with data; handler is called with the data of the answer."""
-    formatter, found = formatter_to_send(msgName)
-    if not found:
-        return raise_error()
-    return send_data(
-        lambda *arguments: _done(query_notify(*arguments, handler, clientData, True,
-                                              responseClass)),
-        msgName, formatter, data)
+    try:
+        length, content = encoded_for(msgName, data)
+    except Refused:
+        return IPC_Error
+    reply = query_notify(msgName, length, content, handler, clientData, True, responseClass)
+    return IPC_OK if reply is not None else IPC_Error
 
 
 # ---------------------------------------------------------- asking and waiting
@@ -114,12 +110,13 @@ def IPC_queryNotifyData(msgName: Text, data: Any,
 Taken = Callable[[Any, bytes, str], Any]
 
 
-def _query(take: Taken, name: Any, length: int, content: Any,
-           timeout: int) -> Tuple[Any, IPC_RETURN_TYPE]:
+def _query(take: Taken, msgName: Text, length: int, content: Any,
+           timeout: Any) -> Tuple[Any, IPC_RETURN_TYPE]:
     """Sends a query and waits; what take makes of the reply's formatter, bytes and order."""
+    limit = number_argument(timeout, "the time limit")
     reply = ffi.new("struct reply *")
     try:
-        result = listen(lib.glue_query, name, length, content, timeout, reply)
+        result = send(lib.glue_query, (text_argument(msgName),), length, content, limit, reply)
         if result != IPC_OK:
             return None, result
         data = b""
@@ -137,9 +134,8 @@ def _query(take: Taken, name: Any, length: int, content: Any,
 def IPC_queryResponse(msgName: Text, length: int, content: Any,
                       timeout: Any) -> Tuple[Optional[BYTE_ARRAY], IPC_RETURN_TYPE]:
     """Sends a query and listens until the answer is there: its bytes, and the result."""
-    number, view = content_arguments(length, content)
-    return _query(lambda formatter, data, order: byte_array(data, order), text_argument(msgName),
-                  number, view, number_argument(timeout, "timeout"))
+    return _query(lambda formatter, data, order: byte_array(data, order), msgName,
+                  *content_arguments(length, content), timeout)
 
 
 def IPC_queryResponseVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE],
@@ -153,20 +149,12 @@ def IPC_queryResponseVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE]
 def IPC_queryResponseData(msgName: Text, data: Any, timeoutMSecs: Any,
                           responseClass: Optional[type] = None) -> Tuple[Any, IPC_RETURN_TYPE]:
     """Sends a query with data and listens until the answer is there: its data, and the result."""
-    formatter, found = formatter_to_send(msgName)
-    if not found:
-        return None, raise_error()
-    timeout = number_argument(timeoutMSecs, "timeoutMSecs")
-    answer: Any = None
-
-    def send(*arguments: Any) -> IPC_RETURN_TYPE:
-        nonlocal answer
-        answer, result = _query(
-            lambda formatter, data, order: received(formatter, data, order, responseClass),
-            *arguments, timeout)
-        return result
-    result = send_data(send, msgName, formatter, data)
-    return answer, result
+    try:
+        length, content = encoded_for(msgName, data)
+    except Refused:
+        return None, IPC_Error
+    return _query(lambda formatter, data, order: received(formatter, data, order, responseClass),
+                  msgName, length, content, timeoutMSecs)
 
 
 __all__ = ["IPC_respond", "IPC_respondVC", "IPC_respondData", "IPC_delayResponse",

@@ -66,7 +66,7 @@ def _names_set(record: IPCdata) -> List[str]:
     """The names of the members that have a value, in order."""
     if hasattr(type(record), "_fields"):
         return [name for name in fields_of(type(record)).names if hasattr(record, name)]
-    names = []
+    names: List[str] = []
     while f"_f{len(names)}" in record.__dict__:
         names.append(f"_f{len(names)}")
     return names
@@ -140,6 +140,10 @@ class Fields:
     def name(self, index: int) -> str:
         """The attribute that a member is set by."""
         return self.names[index] if index < len(self.names) else f"_f{index}"
+
+    def shown(self, index: int) -> str:
+        """What a member is called in messages."""
+        return self.names[index] if index < len(self.names) else f"f{index}"
 
 
 _known: Dict[type, Fields] = {}
@@ -245,6 +249,7 @@ def builder(cls: type, count: int) -> Builder:
 
 def _takes_attributes_plainly(cls: type, names: Sequence[str]) -> bool:
     """Whether setting these attributes does nothing but put them into the object's dictionary."""
-    return (cls.__setattr__ in (object.__setattr__, IPCdata.__setattr__)
+    plain: Tuple[Any, ...] = (object.__setattr__, IPCdata.__setattr__)
+    return (cls.__setattr__ in plain
             and getattr(cls, "__dictoffset__", 0) != 0
             and not any(hasattr(getattr(cls, name, None), "__set__") for name in names))

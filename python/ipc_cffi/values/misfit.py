@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import reprlib
-from typing import Any, List, NoReturn, Optional, Type
+from typing import Any, List, NoReturn, Type
 
 
 class BadBytes(Exception):
@@ -43,5 +43,5 @@ def outside(what: str, low: int, high: int, value: Any) -> NoReturn:
     raise Misfit(OverflowError, f"expected {what} ({low} to {high}), got {reprlib.repr(value)}")
 
 
-def member_step(name: Optional[str], index: int) -> str:
-    return f".{name or f'f{index}'}"
+def member_step(name: str) -> str:
+    return f".{name}"

@@ -62,7 +62,7 @@ def _refuse_missing(value: Any, names: Fields, index: int) -> None:
     if value is MISSING:
         raise Misfit(AttributeError,
                      f"{names.cls.__name__} has no attribute for member {index + 1}"
-                     ).inside(member_step(names.name(index), index))
+                     ).inside(member_step(names.shown(index)))
 
 
 class ScalarStep(Step):
@@ -92,7 +92,7 @@ class ScalarStep(Step):
             try:
                 codec.encode(numbers[offset], out)
             except Misfit as misfit:
-                raise misfit.inside(member_step(names.name(index), index)) from None
+                raise misfit.inside(member_step(names.shown(index))) from None
 
     def reader(self, order: str, fields: Fields) -> ReadStep:
         unpacker = struct.Struct(PREFIX[order] + self._codes)
@@ -124,7 +124,7 @@ class MemberStep(Step):
             self._codec.encode(value, out)
         except Misfit as misfit:
             _refuse_missing(value, names, self.first)
-            raise misfit.inside(member_step(names.name(self.first), self.first)) from None
+            raise misfit.inside(member_step(names.shown(self.first))) from None
 
     def reader(self, order: str, fields: Fields) -> ReadStep:
         read_member = self._codec.reader(order, fields.class_of(self.first))
@@ -172,7 +172,7 @@ class VariableStep(Step):
             else:
                 encode_nested(self._row, array, dimensions, out)
         except Misfit as misfit:
-            raise misfit.inside(member_step(names.name(self.first), self.first)) from None
+            raise misfit.inside(member_step(names.shown(self.first))) from None
 
     def reader(self, order: str, fields: Fields) -> ReadStep:
         count = struct.Struct(PREFIX[order] + "i").unpack_from
@@ -227,10 +227,10 @@ def _size(value: Any, names: Fields, index: int) -> int:
         size = _first_part(value)
     except (TypeError, ValueError, IndexError):
         raise Misfit(TypeError, f"expected the size of an array, got {reprlib.repr(value)}"
-                     ).inside(member_step(names.name(index), index)) from None
+                     ).inside(member_step(names.shown(index))) from None
     if not 0 <= size < 1 << 31:
         raise Misfit(ValueError, f"expected the size of an array, got {size}"
-                     ).inside(member_step(names.name(index), index))
+                     ).inside(member_step(names.shown(index)))
     return size
 
 
@@ -315,7 +315,7 @@ class Structure(Codec):
         """Says on which way the node was reached; of a long one the last part."""
         for node in reversed(nodes[-9:-1]):
             index = self._steps[node.step - 1].first
-            misfit = misfit.inside(member_step(node.names.name(index), index))
+            misfit = misfit.inside(member_step(node.names.shown(index)))
         if len(nodes) > 9:
             misfit = misfit.inside(f" ({len(nodes) - 9} nodes on) ")
         return misfit
