@@ -216,7 +216,9 @@ static char *glue_print(FORMATTER_PTR formatter, void *bytes, unsigned int lengt
     }
     FILE *stream = open_memstream(&text, &text_length);
     if (stream != NULL) {
-        const IPC_RETURN_TYPE result = IPC_printData(formatter, stream, value);
+        /* A value of no size is nowhere. */
+        const IPC_RETURN_TYPE result =
+            IPC_printData(formatter, stream, value != NULL ? value : (void *)&text);
         fclose(stream);
         if (result != IPC_OK) {
             free(text);
