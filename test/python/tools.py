@@ -54,7 +54,7 @@ def decoded(format_string, content, cls=None, order=sys.byteorder):
 def plain(value):
     """A decoded value with lists for structures, to compare with."""
     if isinstance(value, ipc.IPCdata):
-        return [plain(member) for member in value.asdict().values()]
+        return [plain(member) for member in vars(value).values()]
     if isinstance(value, (list, tuple)):
         return [plain(element) for element in value]
     return value
