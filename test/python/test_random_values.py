@@ -1,9 +1,13 @@
 """Random formats and values: there and back in both byte orders, beside another implementation."""
+import sys
+
 import pytest
 
 from python.tools import decoded, encoded, ipc as IPC, plain
 from support import codec
 
+if sys.version_info < (3, 10):
+    pytest.skip("the other implementation needs Python 3.10", allow_module_level=True)
 hypothesis = pytest.importorskip("hypothesis")
 from hypothesis import given, settings, strategies as st  # noqa: E402
 
