@@ -23,8 +23,8 @@ def _build():
     except ImportError as error:
         pytest.skip(f"the Python package cannot be built: {error}", allow_module_level=True)
     done = subprocess.run(
-        [sys.executable, "setup.py", "build", "--build-base", os.path.join(BUILD, "python-build"),
-         "--build-lib", PACKAGES],
+        [sys.executable, "setup.py", "build_py", "--build-lib", PACKAGES,
+         "build_ext", "--build-lib", PACKAGES, "--build-temp", os.path.join(BUILD, "python-build")],
         cwd=ROOT, capture_output=True, text=True, timeout=300 * SLOW, check=False)
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
 
