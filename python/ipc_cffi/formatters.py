@@ -11,7 +11,7 @@ from .constants import (IPC_No_Error, IPC_Null_Argument, IPC_OK,
                         IPC_RETURN_TYPE, IPC_Wrong_Buffer_Length)
 from .errors import fail, raise_error
 from .library import Text, begin, listen, text_argument, to_text, waits
-from .values import BadBytes, Converter
+from .values import BadBytes, Converter, Style
 
 
 class FORMATTER_PTR:
@@ -105,11 +105,27 @@ def encode(formatter: Optional[FORMATTER_PTR], data: Any) -> bytearray:
     return bytearray()
 
 
-def decode(formatter: FORMATTER_PTR, content: bytes, order: str, cls: Optional[type]) -> Any:
+class _Arrays:
+    """What arrays of numbers are decoded to where nothing else is asked for."""
+
+    numpy = False
+
+
+def IPC_setArrayType(name: str) -> None:
+    """Whether arrays of numbers are decoded to lists ("list") or to arrays of NumPy ("numpy")."""
+    if name not in ("list", "numpy"):
+        raise ValueError(f"arrays can be 'list' or 'numpy', not {name!r}")
+    if name == "numpy":
+        import numpy  # noqa: F401
+    _Arrays.numpy = name == "numpy"
+
+
+def decode(formatter: FORMATTER_PTR, content: bytes, order: str, cls: Optional[type],
+           numpy: bool = False) -> Any:
     """The data of the bytes of a message.  No bytes are no data, if the format needs any."""
     if not content and formatter.converter.codec.least > 0:
         return None
-    return formatter.converter.decode(content, order, cls)
+    return formatter.converter.decode(content, Style(order, numpy or _Arrays.numpy), cls)
 
 
 def IPC_marshall(formatter: Optional[FORMATTER_PTR], data: Any,
@@ -148,8 +164,8 @@ def IPC_unmarshallData(formatter: Optional[FORMATTER_PTR], bytearray: Any, objec
     if object is not None and is_structure:
         oclass = type(object)
     try:
-        data = formatter.converter.decode(content, getattr(bytearray, "order", sys.byteorder),
-                                          oclass)
+        style = Style(getattr(bytearray, "order", sys.byteorder), _Arrays.numpy)
+        data = formatter.converter.decode(content, style, oclass)
     except BadBytes:
         return None, fail(IPC_Wrong_Buffer_Length)
     return (data if object is None else formatter.converter.fill(object, data)), IPC_OK

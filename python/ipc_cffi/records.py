@@ -9,13 +9,16 @@ import dataclasses
 import operator
 import reprlib
 import sys
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
+
+from . import hints
 
 #: Stands for the value of an attribute that is not there.
 MISSING: Any = type("MISSING", (), {"__repr__": lambda self: "nothing"})()
 
 Getter = Callable[[Any], Sequence[Any]]
-Builder = Callable[[Sequence[Any]], Any]
+Builder = Callable[[List[Any]], Any]
+Conversion = Callable[[Any], Any]
 
 
 class IPCdata:
@@ -65,7 +68,7 @@ def _stored_name(record: IPCdata, name: str) -> str:
 def _names_set(record: IPCdata) -> List[str]:
     """The names of the members that have a value, in order."""
     if hasattr(type(record), "_fields"):
-        return [name for name in fields_of(type(record)).names if hasattr(record, name)]
+        return [name for name in hints.member_names(type(record)) if hasattr(record, name)]
     names: List[str] = []
     while f"_f{len(names)}" in record.__dict__:
         names.append(f"_f{len(names)}")
@@ -83,27 +86,48 @@ def _as_plain(value: Any) -> Any:
 # ---------------------------------------------------------------------- fields
 
 class Fields:
-    """What a class says of itself as a structure."""
+    """What a class says of itself as a structure of so many members.
 
-    def __init__(self, cls: type) -> None:
+    Lists of a class with type hints have a member before them that holds their length and is no
+    attribute, if the structure has as many members as there are with these.
+    """
+
+    def __init__(self, cls: type, count: int) -> None:
         self.cls = cls
-        self.declared = cls.__dict__.get("_fields", getattr(cls, "_fields", None))
-        self.by_constructor = False
-        self.names: Tuple[str, ...]
+        self.count = count
+        self.declared = getattr(cls, "_fields", None)
+        self.by_constructor = (dataclasses.is_dataclass(cls) and self.declared is None
+                               or issubclass(cls, tuple) and self.declared is not None)
+        self.names: Tuple[Optional[str], ...]  # None for what is no attribute
         self._classes: Tuple[Any, ...]
-        if dataclasses.is_dataclass(cls) and self.declared is None:
-            self.by_constructor = True
-            self._from_hints([field.name for field in dataclasses.fields(cls) if field.init])
-        elif issubclass(cls, tuple) and self.declared is not None:
-            self.by_constructor = True
-            self._from_hints(list(self.declared))
+        #: What is done to decoded values of members.
+        self.conversions: Dict[int, Conversion] = {}
+        #: Members whose arrays are to be NumPy's.
+        self.numpy: Set[int] = set()
+        if self.by_constructor or self.declared is None and cls.__dict__.get("__annotations__"):
+            self._from_hints()
         else:
             self._from_declaration()
+        self.get = self._getter()
 
-    def _from_hints(self, names: List[str]) -> None:
-        from .hints import member_classes
-        self.names = tuple(names)
-        self._classes = tuple(member_classes(self.cls, names))
+    def _from_hints(self) -> None:
+        declared = hints.member_names(self.cls)
+        lists = sum(map(hints.is_list, hints.member_hints(self.cls, declared)))
+        with_lengths = self.count == len(declared) + lists
+        names: List[Optional[str]] = []
+        classes: List[Any] = []
+        for name, hint in zip(declared, hints.member_hints(self.cls, declared)):
+            if with_lengths and hints.is_list(hint):
+                names.append(None)
+                classes.append(None)
+            convert = hints.conversion(hint)
+            if convert is not None:
+                self.conversions[len(names)] = convert
+            if hints.wants_numpy(hint):
+                self.numpy.add(len(names))
+            names.append(name)
+            classes.append(hints.class_in(hint))
+        self.names, self._classes = tuple(names), tuple(classes)
 
     def _from_declaration(self) -> None:
         declared = self.declared
@@ -139,22 +163,42 @@ class Fields:
 
     def name(self, index: int) -> str:
         """The attribute that a member is set by."""
-        return self.names[index] if index < len(self.names) else f"_f{index}"
+        name = self.names[index] if index < len(self.names) else None
+        return name or f"_f{index}"
 
     def shown(self, index: int) -> str:
         """What a member is called in messages."""
-        return self.names[index] if index < len(self.names) else f"f{index}"
+        name = self.names[index] if index < len(self.names) else None
+        return name or f"f{index}"
+
+    # -------------------------------------------------- values of the members
+
+    def _getter(self) -> Getter:
+        names = self.names[:self.count]
+        if len(names) == self.count > 1 and None not in names:
+            return operator.attrgetter(*names)  # type: ignore[arg-type, unused-ignore]
+        return self.each
+
+    def each(self, value: Any) -> List[Any]:
+        """The values of the members; MISSING where there is no attribute."""
+        return [self._member(value, index) for index in range(self.count)]
+
+    def _member(self, value: Any, index: int) -> Any:
+        if index < len(self.names):
+            name = self.names[index]
+            return MISSING if name is None else _attribute(value, name)
+        found = _attribute(value, f"_f{index}")
+        return _attribute(value, f"f{index}") if found is MISSING else found
 
 
-_known: Dict[type, Fields] = {}
+_known: Dict[Tuple[type, int], Fields] = {}
 
 
-def fields_of(cls: type) -> Fields:
+def fields_of(cls: type, count: int) -> Fields:
     """The fields of a class, looked at again if it has been given others."""
-    fields = _known.get(cls)
-    if fields is None or (fields.declared is not getattr(cls, "_fields", None)
-                          and not dataclasses.is_dataclass(cls)):
-        fields = _known[cls] = Fields(cls)
+    fields = _known.get((cls, count))
+    if fields is None or fields.declared is not getattr(cls, "_fields", None):
+        fields = _known[cls, count] = Fields(cls, count)
     return fields
 
 
@@ -176,30 +220,11 @@ def members_of(value: Any, count: int) -> List[Any]:
         if len(value) != count:
             raise ValueError(f"expected {count} members, got {len(value)}")
         return list(value)
-    fields = fields_of(type(value))
-    getter = _getters.get((fields, count))
-    if getter is None:
-        getter = _getters[(fields, count)] = _make_getter(fields, count)
+    fields = fields_of(type(value), count)
     try:
-        return list(getter(value))
+        return list(fields.get(value))
     except AttributeError:
-        return [_member(value, fields, index) for index in range(count)]
-
-
-_getters: Dict[Tuple[Fields, int], Getter] = {}
-
-
-def _make_getter(fields: Fields, count: int) -> Getter:
-    if len(fields.names) >= count > 1:
-        return operator.attrgetter(*fields.names[:count])
-    return lambda value: [_member(value, fields, index) for index in range(count)]
-
-
-def _member(value: Any, fields: Fields, index: int) -> Any:
-    if index < len(fields.names):
-        return _attribute(value, fields.names[index])
-    found = _attribute(value, f"_f{index}")
-    return _attribute(value, f"f{index}") if found is MISSING else found
+        return fields.each(value)
 
 
 def _attribute(value: Any, name: str) -> Any:
@@ -224,22 +249,37 @@ def _members_of_dict(value: Dict[str, Any], count: int) -> List[Any]:
 
 def builder(cls: type, count: int) -> Builder:
     """Makes structures of a class from the values of their members."""
-    fields = fields_of(cls)
+    fields = fields_of(cls, count)
+    if fields.conversions:
+        return _converting(fields, _builder(fields))
+    return _builder(fields)
+
+
+def _converting(fields: Fields, build: Builder) -> Builder:
+    def convert_and_build(values: List[Any]) -> Any:
+        for index, convert in fields.conversions.items():
+            values[index] = convert(values[index])
+        return build(values)
+    return convert_and_build
+
+
+def _builder(fields: Fields) -> Builder:
+    cls, count = fields.cls, fields.count
     if fields.by_constructor:
         if len(fields.names) != count:
             raise TypeError(f"{cls.__name__} has {len(fields.names)} members, "
                             f"the format has {count}")
-        names = fields.names
-        return lambda values: cls(**dict(zip(names, values)))
+        return lambda values: cls(**{name: value for name, value in zip(fields.names, values)
+                                     if name is not None})
     names = tuple(fields.name(index) for index in range(count))
     if _takes_attributes_plainly(cls, names):
-        def build(values: Sequence[Any]) -> Any:
+        def build(values: List[Any]) -> Any:
             record = cls()
             record.__dict__.update(zip(names, values))
             return record
         return build
 
-    def build_by_setting(values: Sequence[Any]) -> Any:
+    def build_by_setting(values: List[Any]) -> Any:
         record = cls()
         for name, value in zip(names, values):
             setattr(record, name, value)

@@ -23,12 +23,13 @@ def byte_array(content: bytes, order: str) -> Optional[BYTE_ARRAY]:
     return array
 
 
-def received(formatter: Any, content: bytes, order: str, cls: Optional[type]) -> Any:
+def received(formatter: Any, content: bytes, order: str, cls: Optional[type],
+             numpy: bool = False) -> Any:
     """Received bytes as data; without a format they stay bytes.  Raises BadBytes."""
     known = formatter_at(formatter)
     if known is None:
         return byte_array(content, order)
-    return decode(known, content, order, cls)
+    return decode(known, content, order, cls, numpy)
 
 
 class Arrival(Registration):

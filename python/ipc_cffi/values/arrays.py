@@ -10,9 +10,9 @@ import struct
 import sys
 from typing import Any, Iterator, List, Optional, Sequence, Tuple
 
-from .codec import Codec, Reader
+from .codec import Codec, Reader, Style
 from .misfit import BadBytes, Misfit, expected
-from .scalars import NATIVE, PREFIX, Scalar
+from .scalars import NATIVE, Scalar
 
 #: How many elements an array of elements without bytes may have.
 LARGEST_EMPTY = 1 << 16
@@ -32,8 +32,8 @@ class Row:
             except Misfit as misfit:
                 raise misfit.inside(f"[{index}]") from None
 
-    def reader(self, order: str, cls: Optional[type]) -> RowReader:
-        return RowReader(self.element.reader(order, cls), self.element.least)
+    def reader(self, style: Style, cls: Optional[type]) -> RowReader:
+        return RowReader(self.element.reader(style, cls), self.element.least)
 
 
 class RowReader:
@@ -99,8 +99,8 @@ class NumberRow(Row):
                 raise misfit.inside(f"[{index}]") from None
         return struct.pack(f"{NATIVE}{count}{self._code}", *numbers)
 
-    def reader(self, order: str, cls: Optional[type]) -> RowReader:
-        return NumberRowReader(self.element, order, self._typecode)
+    def reader(self, style: Style, cls: Optional[type]) -> RowReader:
+        return NumberRowReader(self.element, style, self._typecode)
 
 
 def _encode_buffer(code: str, values: Any, count: int, out: bytearray) -> bool:
@@ -127,11 +127,11 @@ def _same_formats(code: str) -> Tuple[str, ...]:
 class NumberRowReader(RowReader):
     """Reads scalars in a row."""
 
-    def __init__(self, element: Scalar, order: str, code: str) -> None:
-        super().__init__(element.reader(order, None), element.least)
+    def __init__(self, element: Scalar, style: Style, code: str) -> None:
+        super().__init__(element.reader(style, None), element.least)
         self._size = element.least
         self._code = code
-        self._swap = order != sys.byteorder and element.least > 1
+        self._swap = style.order != sys.byteorder and element.least > 1
         self._from_wire = element.from_wire
 
     def read(self, data: bytes, at: int, count: int) -> Tuple[List[Any], int]:
@@ -257,8 +257,8 @@ class FixedArray(Codec):
     def encode(self, value: Any, out: bytearray) -> None:
         encode_nested(self._row, value, self._dimensions, out)
 
-    def reader(self, order: str, cls: Optional[type]) -> Reader:
-        read_row, count = self._row.reader(order, cls).read, self._count
+    def reader(self, style: Style, cls: Optional[type]) -> Reader:
+        read_row, count = self._row.reader(style, cls).read, self._count
         dimensions = self._dimensions
 
         def read(data: bytes, at: int) -> Tuple[List[Any], int]:

@@ -6,7 +6,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 from .. import tree
 from .arrays import FixedArray
-from .codec import Codec, Reader
+from .codec import Codec, Reader, Style
 from .misfit import BadBytes, Misfit, expected
 from .scalars import RawBytes, Scalar, enumeration, primitive
 from .structures import (MemberStep, Pointer, ScalarStep, SelfStep, Step, Structure, VariableStep)
@@ -69,7 +69,7 @@ class Converter:
         self.tree = node
         self.text = tree.format_text(node)
         self.codec = compile_type(node)
-        self._readers: Dict[Tuple[str, Optional[type]], Reader] = {}
+        self._readers: Dict[Tuple[Style, Optional[type]], Reader] = {}
 
     def encode(self, value: Any) -> bytearray:
         """The bytes of a value in this host's order.
@@ -93,11 +93,11 @@ class Converter:
             return type(value).__name__
         return "data"
 
-    def decode(self, data: bytes, order: str, cls: Optional[type] = None) -> Any:
-        """The value of bytes of that order, with cls for its structures; raises BadBytes."""
-        read = self._readers.get((order, cls))
+    def decode(self, data: bytes, style: Style, cls: Optional[type] = None) -> Any:
+        """The value of bytes in that style, with cls for its structures; raises BadBytes."""
+        read = self._readers.get((style, cls))
         if read is None:
-            read = self._readers[order, cls] = self.codec.reader(order, cls)
+            read = self._readers[style, cls] = self.codec.reader(style, cls)
         try:
             return read(data, 0)[0]
         except (struct.error, IndexError, MemoryError):

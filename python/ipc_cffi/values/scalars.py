@@ -5,17 +5,15 @@ import enum
 import math
 import operator
 import struct
-import sys
 from typing import Any, Callable, Dict, Optional, Tuple
 
-from .codec import Codec, Reader
+from .codec import Codec, Reader, Style
 from .misfit import BadBytes, Misfit, expected, outside
 
 LONG = struct.calcsize("l")
 
-#: Prefix of the struct module for a byte order.
-PREFIX = {"little": "<", "big": ">"}
-NATIVE = PREFIX[sys.byteorder]
+#: What the module struct says for this host's byte order.
+NATIVE = Style().prefix
 
 
 class Scalar(Codec):
@@ -45,8 +43,8 @@ class Scalar(Codec):
         except Exception:  # struct.error, or what a conversion of the value's own raised
             out += self._pack(self.exact(value))
 
-    def reader(self, order: str, cls: Optional[type]) -> Reader:
-        unpack, size = struct.Struct(PREFIX[order] + self.code).unpack_from, self.least
+    def reader(self, style: Style, cls: Optional[type]) -> Reader:
+        unpack, size = struct.Struct(style.prefix + self.code).unpack_from, self.least
         from_wire = self.from_wire
 
         def read(data: bytes, at: int) -> Tuple[Any, int]:
@@ -174,8 +172,8 @@ class String(Codec):
         out += _pack_count(len(value))
         out += value or b"Z"
 
-    def reader(self, order: str, cls: Optional[type]) -> Reader:
-        count = struct.Struct(PREFIX[order] + "i").unpack_from
+    def reader(self, style: Style, cls: Optional[type]) -> Reader:
+        count = struct.Struct(style.prefix + "i").unpack_from
 
         def read(data: bytes, at: int) -> Tuple[str, int]:
             (length,) = count(data, at)
@@ -205,7 +203,7 @@ class RawBytes(Codec):
             raise Misfit(ValueError, f"expected {self.least} bytes, got {len(content)}")
         out += content
 
-    def reader(self, order: str, cls: Optional[type]) -> Reader:
+    def reader(self, style: Style, cls: Optional[type]) -> Reader:
         length = self.least
 
         def read(data: bytes, at: int) -> Tuple[bytes, int]:
@@ -226,7 +224,7 @@ class Unsupported(Codec):
     def encode(self, value: Any, out: bytearray) -> None:
         raise Misfit(TypeError, f"values of the primitive {self._name} cannot be sent from Python")
 
-    def reader(self, order: str, cls: Optional[type]) -> Reader:
+    def reader(self, style: Style, cls: Optional[type]) -> Reader:
         def read(data: bytes, at: int) -> Tuple[Any, int]:
             raise BadBytes
         return read

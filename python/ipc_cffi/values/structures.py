@@ -12,9 +12,9 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
 
 from ..records import MISSING, Fields, IPCdata, builder, fields_of, members_of
 from .arrays import check_sequence, encode_nested, row_of, shaped
-from .codec import Codec, Reader
+from .codec import Codec, Reader, Style
 from .misfit import BadBytes, Misfit, expected, member_step
-from .scalars import NATIVE, PREFIX, Scalar
+from .scalars import NATIVE, Scalar
 
 #: Where a value of a member begins, and the step behind it.
 ReadStep = Callable[[bytes, int, List[Any]], int]
@@ -35,8 +35,8 @@ class Pointer(Codec):
             out += b"Z"
             self._target.encode(value, out)
 
-    def reader(self, order: str, cls: Optional[type]) -> Reader:
-        read_target = self._target.reader(order, cls)
+    def reader(self, style: Style, cls: Optional[type]) -> Reader:
+        read_target = self._target.reader(style, cls)
 
         def read(data: bytes, at: int) -> Tuple[Any, int]:
             return read_target(data, at + 1) if data[at] else (None, at + 1)
@@ -54,7 +54,7 @@ class Step:
     def encode(self, values: Sequence[Any], out: bytearray, names: Fields) -> None:
         raise NotImplementedError
 
-    def reader(self, order: str, fields: Fields) -> ReadStep:
+    def reader(self, style: Style, fields: Fields) -> ReadStep:
         raise NotImplementedError
 
 
@@ -63,6 +63,11 @@ def _refuse_missing(value: Any, names: Fields, index: int) -> None:
         raise Misfit(AttributeError,
                      f"{names.cls.__name__} has no attribute for member {index + 1}"
                      ).inside(member_step(names.shown(index)))
+
+
+def _style_of(style: Style, fields: Fields, index: int) -> Style:
+    """The style for a member, which the class may have wishes for."""
+    return style._replace(numpy=True) if index in fields.numpy else style
 
 
 class ScalarStep(Step):
@@ -94,8 +99,8 @@ class ScalarStep(Step):
             except Misfit as misfit:
                 raise misfit.inside(member_step(names.shown(index))) from None
 
-    def reader(self, order: str, fields: Fields) -> ReadStep:
-        unpacker = struct.Struct(PREFIX[order] + self._codes)
+    def reader(self, style: Style, fields: Fields) -> ReadStep:
+        unpacker = struct.Struct(style.prefix + self._codes)
         unpack, size, from_wire = unpacker.unpack_from, unpacker.size, self._from_wire
 
         def read(data: bytes, at: int, values: List[Any]) -> int:
@@ -126,8 +131,9 @@ class MemberStep(Step):
             _refuse_missing(value, names, self.first)
             raise misfit.inside(member_step(names.shown(self.first))) from None
 
-    def reader(self, order: str, fields: Fields) -> ReadStep:
-        read_member = self._codec.reader(order, fields.class_of(self.first))
+    def reader(self, style: Style, fields: Fields) -> ReadStep:
+        read_member = self._codec.reader(_style_of(style, fields, self.first),
+                                         fields.class_of(self.first))
 
         def read(data: bytes, at: int, values: List[Any]) -> int:
             value, at = read_member(data, at)
@@ -174,9 +180,10 @@ class VariableStep(Step):
         except Misfit as misfit:
             raise misfit.inside(member_step(names.shown(self.first))) from None
 
-    def reader(self, order: str, fields: Fields) -> ReadStep:
-        count = struct.Struct(PREFIX[order] + "i").unpack_from
-        read_row = self._row.reader(order, fields.class_of(self.first)).read
+    def reader(self, style: Style, fields: Fields) -> ReadStep:
+        count = struct.Struct(style.prefix + "i").unpack_from
+        read_row = self._row.reader(_style_of(style, fields, self.first),
+                                    fields.class_of(self.first)).read
 
         def read(data: bytes, at: int, values: List[Any]) -> int:
             elements, at = read_row(data, at + 4, count(data, at)[0])
@@ -252,7 +259,7 @@ class Structure(Codec):
         self.least = least
         self._variable = [step for step in steps if isinstance(step, VariableStep)]
         self._has_self = any(isinstance(step, SelfStep) for step in steps)
-        self._plans: Dict[Tuple[str, Fields], _Plan] = {}
+        self._plans: Dict[Tuple[Style, Fields], _Plan] = {}
 
     # -------------------------------------------------------------- encoding
 
@@ -272,13 +279,13 @@ class Structure(Codec):
             self._encode_linked(value, out)
             return
         values = self._values(value)
-        names = fields_of(type(value))
+        names = fields_of(type(value), self._count)
         for step in self._steps:
             step.encode(values, out, names)
 
     def _encode_linked(self, value: Any, out: bytearray) -> None:
         """Encodes this structure and those it leads to by self pointers."""
-        nodes = [_Node(value, self._values(value))]
+        nodes = [_Node(value, self._values(value), self._count)]
         on_the_way: Set[int] = {id(value)}
         try:
             while nodes:
@@ -289,7 +296,7 @@ class Structure(Codec):
                 if id(child) in on_the_way:
                     raise Misfit(ValueError, "the structure leads back to itself")
                 on_the_way.add(id(child))
-                nodes.append(_Node(child, []))
+                nodes.append(_Node(child, [], self._count))
                 nodes[-1].values = self._values(child)
         except Misfit as misfit:
             raise self._inside_nodes(misfit, nodes) from None
@@ -322,18 +329,18 @@ class Structure(Codec):
 
     # -------------------------------------------------------------- decoding
 
-    def reader(self, order: str, cls: Optional[type]) -> Reader:
+    def reader(self, style: Style, cls: Optional[type]) -> Reader:
         # Made when the first one is read: a class may be its own member's class.
         chosen = cls or IPCdata
 
         def read(data: bytes, at: int) -> Tuple[Any, int]:
-            return self.plan(order, fields_of(chosen)).read(data, at)
+            return self.plan(style, fields_of(chosen, self._count)).read(data, at)
         return read
 
-    def plan(self, order: str, fields: Fields) -> _Plan:
-        found = self._plans.get((order, fields))
+    def plan(self, style: Style, fields: Fields) -> _Plan:
+        found = self._plans.get((style, fields))
         if found is None:
-            found = self._plans[order, fields] = _Plan(self, order, fields)
+            found = self._plans[style, fields] = _Plan(self, style, fields)
         return found
 
     @property
@@ -356,7 +363,7 @@ class Structure(Codec):
 
     def fill(self, target: Any, decoded: Any) -> None:
         """Gives an existing structure the members of a decoded one; keeps structures inside it."""
-        fields = fields_of(type(target))
+        fields = fields_of(type(target), self._count)
         values = members_of(decoded, self._count)
         for index, value in enumerate(values):
             name = fields.name(index)
@@ -383,22 +390,22 @@ class _Node:
 
     __slots__ = ("value", "values", "names", "step")
 
-    def __init__(self, value: Any, values: List[Any]) -> None:
+    def __init__(self, value: Any, values: List[Any], count: int) -> None:
         self.value = value
         self.values = values
-        self.names = fields_of(type(value))
+        self.names = fields_of(type(value), count)
         self.step = 0
 
 
 class _Plan:
     """How a structure of one byte order becomes an object of one class."""
 
-    def __init__(self, structure: Structure, order: str, fields: Fields) -> None:
+    def __init__(self, structure: Structure, style: Style, fields: Fields) -> None:
         self._structure = structure
-        self._order = order
+        self._style = style
         self._fields = fields
         self.build = builder(fields.cls, structure.count)
-        self.reads = [None if isinstance(step, SelfStep) else step.reader(order, fields)
+        self.reads = [None if isinstance(step, SelfStep) else step.reader(style, fields)
                       for step in structure.steps]
         self.variable = structure.variable
         self.read = self._read_linked if structure.has_self else self._read_plain
@@ -417,7 +424,8 @@ class _Plan:
     def child(self, index: int) -> _Plan:
         """The plan of the structure that a self pointer leads to: of its own class by default."""
         cls = self._fields.class_of(index)
-        return self if cls is None else self._structure.plan(self._order, fields_of(cls))
+        return self if cls is None else self._structure.plan(
+            self._style, fields_of(cls, self._structure.count))
 
     def _read_linked(self, data: bytes, at: int) -> Tuple[Any, int]:
         """Reads this structure and those it leads to; innermost are complete first."""
