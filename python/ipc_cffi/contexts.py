@@ -36,9 +36,16 @@ _connected: Dict[int, Any] = {}
 
 # ------------------------------------------------------------------ connecting
 
+#: As the name of a server: one that this process starts, and that ends with it.
+EMBEDDED = "embedded:"
+
+
 def _connect(function: Any, taskName: Optional[Text],
              serverName: Optional[Text]) -> IPC_RETURN_TYPE:
     begin()
+    if (serverName or os.environ.get("CENTRALHOST")) == EMBEDDED:
+        from .central import embedded_address
+        serverName = embedded_address()
     task = text_argument(taskName, "the name of a module")
     result = listen(function, task, text_argument(serverName, "the name of a server"))
     if result == IPC_OK:

@@ -6,7 +6,7 @@ in Python is decided here: errors become exceptions.
 from __future__ import annotations
 
 import sys
-from typing import Optional, Union
+from typing import Any, Optional, Union
 
 from ._ffi import ffi, lib
 from .constants import (IPC_ERROR_TYPE, IPC_Argument_Out_Of_Range, IPC_Error, IPC_Exit_On_Errors,
@@ -20,6 +20,58 @@ class IPCError(Exception):
     def __init__(self, text: str = "", errno: Optional[int] = None) -> None:
         super().__init__(text)
         self.errno = IPC_ERROR_TYPE(lib.IPC_errno if errno is None else errno)
+
+
+class NotConnected(IPCError, ConnectionError):  # type: ignore[misc]
+    """There is no connection to the server, or none any more."""
+
+
+class NotInitialized(IPCError):
+    """Neither IPC_initialize() nor a connection came before."""
+
+
+class MessageNotDefined(IPCError):
+    """No module has defined the message."""
+
+
+class WrongLength(IPCError, ValueError):
+    """The number of bytes is not that of the message."""
+
+
+class OutOfRange(IPCError, ValueError):
+    """A number, or something that is stale or foreign."""
+
+
+class NullArgument(IPCError, ValueError):
+    """Something is missing, or a name is empty."""
+
+
+class IllegalFormat(IPCError, ValueError):
+    """The format string is none."""
+
+
+class MismatchedFormat(IPCError, ValueError):
+    """The format is not that of the message."""
+
+
+class BadData(IPCError, ValueError):
+    """The bytes do not hold a value of the format."""
+
+
+class CommunicationError(IPCError, ConnectionError):  # type: ignore[misc]
+    """The connection has failed."""
+
+
+class IPCTimeout(IPCError, TimeoutError):  # type: ignore[misc]
+    """Nothing has come in time."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text, 0)
+
+
+_CLASSES = {1: NotConnected, 2: NotInitialized, 3: MessageNotDefined, 4: WrongLength,
+            5: WrongLength, 6: OutOfRange, 7: NullArgument, 8: IllegalFormat,
+            9: MismatchedFormat, 10: BadData, 11: CommunicationError}
 
 
 class _Verbosity:
@@ -37,11 +89,16 @@ def error_text(errno: int) -> str:
     return bytes(ffi.string(lib.ipcErrorStrings[errno])).decode()
 
 
+def last_error(errno: Optional[int] = None) -> IPCError:
+    """The exception for the last error of the library, or for another one."""
+    number = lib.IPC_errno if errno is None else errno
+    return _CLASSES.get(number, IPCError)(error_text(number), number)
+
+
 def raise_error(errno: Optional[int] = None) -> IPC_RETURN_TYPE:
     """What a call that the library has failed comes to: an exception, or IPC_Error."""
-    number = lib.IPC_errno if errno is None else errno
     if _Verbosity.level >= IPC_Exit_On_Errors:
-        raise IPCError(error_text(number), number)
+        raise last_error(errno)
     return IPC_Error
 
 
@@ -57,9 +114,30 @@ def result(number: int) -> IPC_RETURN_TYPE:
 
 
 def warn(text: str) -> None:
-    """A warning, to where the library's warnings go."""
+    """A warning, to where the library's warnings go, and to the logger ipc."""
+    logger("ipc").warning("%s", text)
     if _Verbosity.level >= IPC_Print_Warnings and sys.stderr is not None:
         sys.stderr.write(text + "\n")
+
+
+class _NoLogger:
+    """Stands for a logger in a program that does not use the module logging."""
+
+    def isEnabledFor(self, level: int) -> bool:
+        return False
+
+    def warning(self, *arguments: Any, **others: Any) -> None:
+        """Goes nowhere."""
+
+    debug = error = warning
+
+
+def logger(name: str) -> Any:
+    """A logger, if the program has arranged for any logging."""
+    logging = sys.modules.get("logging")
+    if logging is None or not (logging.getLogger().handlers or logging.getLogger("ipc").handlers):
+        return _NoLogger()
+    return logging.getLogger(name)
 
 
 def IPC_setVerbosity(verbosity: int) -> IPC_RETURN_TYPE:

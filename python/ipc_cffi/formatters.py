@@ -116,7 +116,7 @@ def IPC_setArrayType(name: str) -> None:
     if name not in ("list", "numpy"):
         raise ValueError(f"arrays can be 'list' or 'numpy', not {name!r}")
     if name == "numpy":
-        import numpy  # noqa: F401
+        import numpy  # type: ignore[import-not-found, unused-ignore]  # noqa: F401
     _Arrays.numpy = name == "numpy"
 
 

@@ -61,12 +61,13 @@ def number_argument(number: Any, what: str) -> int:
 class _Call:
     """A call that is under way in a thread, and what it has to hand on."""
 
-    __slots__ = ("outer", "failure", "lost")
+    __slots__ = ("outer", "failure", "lost", "enough")
 
     def __init__(self, outer: Optional[_Call]) -> None:
         self.outer = outer
         self.failure: Optional[BaseException] = None
         self.lost = False
+        self.enough: Optional[Callable[[], bool]] = None
 
 
 class _Thread(threading.local):
@@ -76,9 +77,14 @@ class _Thread(threading.local):
 _thread = _Thread()
 
 
-def waits(function: Callable[..., int], *arguments: Any) -> int:
-    """Calls a function of the library in which this thread may wait, and handlers may run."""
+def waits(function: Callable[..., int], *arguments: Any,
+          enough: Optional[Callable[[], bool]] = None) -> int:
+    """Calls a function of the library in which this thread may wait, and handlers may run.
+
+    The wait ends early when enough() is true.
+    """
     call = _thread.call = _Call(_thread.call)
+    call.enough = enough
     try:
         number = function(*arguments)
     finally:
@@ -133,7 +139,9 @@ def py_give_up() -> int:
     for _ in range(2):
         pass
     call = _thread.call
-    return 1 if call is not None and (call.failure is not None or call.lost) else 0
+    if call is None:
+        return 0
+    return int(call.failure is not None or call.lost or call.enough is not None and call.enough())
 
 
 @ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]

@@ -128,6 +128,11 @@ class Timer(Registration):
         self.by_reference = by_reference
         self.reference: Any = ffi.NULL
 
+    @property
+    def has_ended(self) -> bool:
+        """Whether it was called for the last time, or removed."""
+        return self not in _timers.of(None)
+
     def happened(self, *arguments: Any) -> None:
         if self.left != TRIGGER_FOREVER:
             self.left -= 1

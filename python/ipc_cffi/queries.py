@@ -149,12 +149,18 @@ def IPC_queryResponseVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE]
 def IPC_queryResponseData(msgName: Text, data: Any, timeoutMSecs: Any,
                           responseClass: Optional[type] = None) -> Tuple[Any, IPC_RETURN_TYPE]:
     """Sends a query with data and listens until the answer is there: its data, and the result."""
+    return query_data(msgName, data, timeoutMSecs, responseClass, False)
+
+
+def query_data(msgName: Text, data: Any, timeout: Any, cls: Optional[type],
+               numpy: bool) -> Tuple[Any, IPC_RETURN_TYPE]:
+    """The same, with a wish for arrays."""
     try:
         length, content = encoded_for(msgName, data)
     except Refused:
         return None, IPC_Error
-    return _query(lambda formatter, data, order: received(formatter, data, order, responseClass),
-                  msgName, length, content, timeoutMSecs)
+    return _query(lambda formatter, data, order: received(formatter, data, order, cls, numpy),
+                  msgName, length, content, timeout)
 
 
 __all__ = ["IPC_respond", "IPC_respondVC", "IPC_respondData", "IPC_delayResponse",

@@ -36,14 +36,14 @@ class Arrival(Registration):
     """Calls a handler with a message, as bytes or as data."""
 
     def __init__(self, context: int, handler: Handler, clientData: Any, decoded: bool,
-                 cls: Optional[type]) -> None:
+                 cls: Optional[type], numpy: bool = False) -> None:
         super().__init__(context)
         self.handler = handler
         self.wire_name = b""
-        self.use(clientData, decoded, cls)
+        self.use(clientData, decoded, cls, numpy)
 
-    def use(self, clientData: Any, decoded: bool, cls: Optional[type]) -> None:
-        self.client_data, self.decoded, self.cls = clientData, decoded, cls
+    def use(self, clientData: Any, decoded: bool, cls: Optional[type], numpy: bool) -> None:
+        self.client_data, self.decoded, self.cls, self.numpy = clientData, decoded, cls, numpy
 
     def arrived(self, instance: MSG_INSTANCE, content: bytes, order: str) -> None:
         if not self.decoded:
@@ -51,7 +51,7 @@ class Arrival(Registration):
             return
         try:
             data = received(lib.IPC_msgInstanceFormatter(instance.pointer), content, order,
-                            self.cls)
+                            self.cls, self.numpy)
         except BadBytes:
             name = to_text(lib.IPC_msgInstanceName(instance.pointer))
             warn(f"WARNING: Message '{name}' could not be decoded")
@@ -76,8 +76,9 @@ def _wire_name(msgName: Optional[Text], handler: Handler, number: int) -> bytes:
     return "".join(c if " " < c < "\x7f" else "?" for c in text).encode()
 
 
-def _subscribe(msgName: Text, handler: Any, clientData: Any, decoded: bool,
-               cls: Optional[type]) -> IPC_RETURN_TYPE:
+def subscribe(msgName: Text, handler: Any, clientData: Any, decoded: bool,
+              cls: Optional[type], numpy: bool = False) -> IPC_RETURN_TYPE:
+    """Subscribes a handler of bytes or of data, or changes what it is called with."""
     if handler is None:
         return fail(IPC_Null_Argument)
     check_handler(handler)
@@ -86,9 +87,9 @@ def _subscribe(msgName: Text, handler: Any, clientData: Any, decoded: bool,
     if known is not None:
         if known.client_data is not clientData:
             warn(f"Resetting client data for handler {handler_name(handler)}")
-        known.use(clientData, decoded, cls)
+        known.use(clientData, decoded, cls, numpy)
         return IPC_OK
-    arrival = Arrival(key[0], handler, clientData, decoded, cls)
+    arrival = Arrival(key[0], handler, clientData, decoded, cls, numpy)
     arrival.wire_name = _wire_name(msgName, handler, arrival.number)
     _subscriptions.add(key, arrival)
     result = None
@@ -104,14 +105,14 @@ def _subscribe(msgName: Text, handler: Any, clientData: Any, decoded: bool,
 def IPC_subscribe(msgName: Text, handler: Callable[[MSG_INSTANCE, Optional[BYTE_ARRAY], Any], Any],
                   clientData: Any = None) -> IPC_RETURN_TYPE:
     """Has handler called with the bytes of each instance of the message."""
-    return _subscribe(msgName, handler, clientData, False, None)
+    return subscribe(msgName, handler, clientData, False, None)
 
 
 def IPC_subscribeData(msgName: Text, handler: Callable[[MSG_INSTANCE, Any, Any], Any],
                       clientData: Any = None,
                       dataClass: Optional[type] = None) -> IPC_RETURN_TYPE:
     """Has handler called with the data of each instance, structures as dataClass."""
-    return _subscribe(msgName, handler, clientData, True, dataClass)
+    return subscribe(msgName, handler, clientData, True, dataClass)
 
 
 def IPC_unsubscribe(msgName: Text, handler: Optional[Handler]) -> IPC_RETURN_TYPE:

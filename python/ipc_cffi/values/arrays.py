@@ -8,8 +8,9 @@ from __future__ import annotations
 import array
 import struct
 import sys
-from typing import Any, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Iterator, List, Optional, Sequence, Tuple, Union
 
+from .blocks import NumpyRowReader, encode_block, typecode
 from .codec import Codec, Reader, Style
 from .misfit import BadBytes, Misfit, expected
 from .scalars import NATIVE, Scalar
@@ -32,7 +33,7 @@ class Row:
             except Misfit as misfit:
                 raise misfit.inside(f"[{index}]") from None
 
-    def reader(self, style: Style, cls: Optional[type]) -> RowReader:
+    def reader(self, style: Style, cls: Optional[type]) -> AnyRowReader:
         return RowReader(self.element.reader(style, cls), self.element.least)
 
 
@@ -56,15 +57,6 @@ class RowReader:
 
 # ------------------------------------------------------------ rows of numbers
 
-_TYPECODES = {(code.lower(), array.array(code).itemsize): code.lower() for code in "bhilqfd"}
-
-
-def typecode(code: str) -> str:
-    """The letter of the module array for a letter of struct with standard size."""
-    letter = _TYPECODES[code.lower(), struct.calcsize("=" + code)]
-    return letter if code.islower() else letter.upper()
-
-
 class NumberRow(Row):
     """Scalars in a row."""
 
@@ -76,6 +68,8 @@ class NumberRow(Row):
         self._typecode = typecode(element.code)
 
     def encode(self, values: Sequence[Any], count: int, out: bytearray) -> None:
+        if encode_block(self.element, values, (count,), out):
+            return
         if self.element.to_wire is not None:
             out += self._exact(values, count, self.element.to_wire)
             return
@@ -86,8 +80,6 @@ class NumberRow(Row):
                 return
             except Exception:  # what struct or array refuse is looked at one by one
                 pass
-        elif _encode_buffer(self._typecode, values, count, out):
-            return
         out += self._exact(values, count, self.element.exact)
 
     def _exact(self, values: Sequence[Any], count: int, exact: Any) -> bytes:
@@ -99,29 +91,10 @@ class NumberRow(Row):
                 raise misfit.inside(f"[{index}]") from None
         return struct.pack(f"{NATIVE}{count}{self._code}", *numbers)
 
-    def reader(self, style: Style, cls: Optional[type]) -> RowReader:
+    def reader(self, style: Style, cls: Optional[type]) -> AnyRowReader:
+        if style.numpy and self.element.from_wire is not chr:
+            return NumpyRowReader(self.element, style)
         return NumberRowReader(self.element, style, self._typecode)
-
-
-def _encode_buffer(code: str, values: Any, count: int, out: bytearray) -> bool:
-    """Appends numbers that lie in memory as they travel; whether they do."""
-    try:
-        view = memoryview(values)
-    except TypeError:
-        return False
-    if view.ndim != 1 or view.format not in _same_formats(code):
-        return False
-    out += view[:count].tobytes()
-    return True
-
-
-def _same_formats(code: str) -> Tuple[str, ...]:
-    """All letters that mean numbers of that kind and size here."""
-    if code in "fd":
-        return (code,)
-    size = array.array(code).itemsize
-    letters = "bhilq" if code.islower() else "BHILQ"
-    return tuple(letter for letter in letters if struct.calcsize(letter) == size)
 
 
 class NumberRowReader(RowReader):
@@ -144,6 +117,10 @@ class NumberRowReader(RowReader):
         if self._from_wire is not None:
             return list(map(self._from_wire, numbers)), end
         return numbers.tolist(), end
+
+
+#: Reads elements in a row: a sequence of them, and the place behind.
+AnyRowReader = Union[RowReader, NumpyRowReader]
 
 
 class CharacterRow(NumberRow):
@@ -205,7 +182,7 @@ def encode_nested(row: Row, values: Any, dimensions: Sequence[int], out: bytearr
         check_sequence(values, count, row)
         row.encode(values, count, out)
         return
-    if isinstance(row, NumberRow) and _encode_block(row, values, dimensions, out):
+    if isinstance(row, NumberRow) and encode_block(row.element, values, dimensions, out):
         return
     check_sequence(values, count, None)
     for index in range(count):
@@ -215,27 +192,14 @@ def encode_nested(row: Row, values: Any, dimensions: Sequence[int], out: bytearr
             raise misfit.inside(f"[{index}]") from None
 
 
-def _encode_block(row: NumberRow, values: Any, dimensions: Sequence[int], out: bytearray) -> bool:
-    """Appends numbers of several dimensions that lie in memory as they travel; whether they do."""
-    if isinstance(values, (list, tuple)) or row.element.to_wire is not None:
-        return False
-    try:
-        view = memoryview(values)
-    except TypeError:
-        return False
-    if tuple(view.shape or ()) != tuple(dimensions) or (
-            view.format not in _same_formats(typecode(row.element.code))):
-        return False
-    out += view.tobytes()
-    return True
-
-
 def _chunks(values: List[Any], size: int) -> Iterator[List[Any]]:
     return (values[start:start + size] for start in range(0, len(values), size))
 
 
-def shaped(values: List[Any], dimensions: Sequence[int]) -> List[Any]:
-    """Elements in a row as nested lists of these dimensions."""
+def shaped(values: Any, dimensions: Sequence[int]) -> Any:
+    """Elements in a row as nested lists of these dimensions, or as an array."""
+    if not isinstance(values, list):
+        return values.reshape(dimensions)
     for size in reversed(dimensions[1:]):
         if size == 0:
             return [shaped([], dimensions[1:]) for _ in range(dimensions[0])]

@@ -80,7 +80,7 @@ def _real(name: str, code: str) -> Scalar:
     midpoint = largest * (1 + 2.0 ** -25)  # from here on C rounds to infinity
 
     def exact(value: Any) -> float:
-        if isinstance(value, (str, bytes, bytearray)):
+        if isinstance(value, (str, bytes, bytearray, complex)):
             expected(name, value)
         try:
             number = float(value)

@@ -202,7 +202,7 @@ class VariableStep(Step):
             raise BadBytes
         if len(dimensions) > 1:
             # Without elements there may be no end of empty rows.
-            values[self.first] = shaped(elements, dimensions) if elements else []
+            values[self.first] = shaped(elements, dimensions) if len(elements) else elements
 
 
 _pack_count = struct.Struct(NATIVE + "i").pack
