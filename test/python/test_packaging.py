@@ -58,6 +58,7 @@ def environment(tmp_path_factory):
     with open(run(python, "-c", "import site; print(site.getsitepackages()[0])").strip() +
               "/tests.pth", "w", encoding="utf-8") as file:
         file.write("\n".join(paths.split(os.pathsep)) + "\n")
+    run(python, "-m", "pip", "--disable-pip-version-check", "uninstall", "-y", "setuptools")
     run(python, "setup.py", "-q", "sdist", "--dist-dir", here / "dist", cwd=tree)
     archive, = (here / "dist").iterdir()
     run(python, "-m", "pip", "install", "--no-build-isolation", "--no-deps", "--no-index",
