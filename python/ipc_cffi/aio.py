@@ -213,22 +213,27 @@ class AsyncConnection:
         return Stream(self, names, type, maxsize)
 
     def on(self, name: Text, handler: Optional[Handler] = None, *,
-           type: Optional[Type[Any]] = None) -> Any:
-        """Has a function or coroutine function called with each message; also a decorator."""
+           type: Optional[Type[Any]] = None, queries: bool = False) -> Any:
+        """Has a function or coroutine function called with each message; also a decorator.
+
+        With queries the messages are queries, which a coroutine may answer whenever it likes.
+        """
         if handler is None:
             def decorate(function: Handler) -> Handler:
-                self.on(name, function, type=type)
+                self.on(name, function, type=type, queries=queries)
                 return function
             return decorate
-        subscription = self.connection.subscribe(name, self._adapted(handler), type=type)
+        subscription = self.connection.subscribe(name, self._adapted(handler, queries), type=type)
         self._changed()
         return subscription
 
-    def _adapted(self, handler: Handler) -> Handler:
+    def _adapted(self, handler: Handler, queries: bool) -> Handler:
         if not inspect.iscoroutinefunction(handler):
             return handler
 
         def start(message: Message[Any]) -> None:
+            if queries:
+                message.delay()  # the coroutine runs after this handler
             task = asyncio.get_running_loop().create_task(self._run(handler, message))
             self._tasks[task] = None  # the loop itself keeps weak references only
             task.add_done_callback(lambda done: self._tasks.pop(done, None))

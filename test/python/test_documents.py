@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from python.tools import ROOT, Program
+from python.tools import BUILD, ROOT, Program
 from support.waiting import SLOW
 
 
@@ -21,7 +21,8 @@ def programs():
 def test_a_program_of_the_document(number, text, output, central):
     for needed in re.findall(r"^import (numpy)", text, re.MULTILINE):
         pytest.importorskip(needed)
-    with Program(text, central=central) as started:
+    path = os.path.join(BUILD, "src/c/central") + os.pathsep + os.environ["PATH"]
+    with Program(text, central=central, env={"PATH": path}) as started:
         assert started.wait(60 * SLOW) == 0, started.output()
     lines = [line.rstrip() for line in started.stdout]
     for line in output.splitlines():
