@@ -38,6 +38,10 @@ def run(*arguments, **options):
 @pytest.fixture(scope="module")
 def environment(tmp_path_factory):
     """An environment into which the package was installed from a source distribution."""
+    try:
+        import setuptools.command.bdist_wheel  # noqa: F401
+    except ImportError:
+        pytest.importorskip("wheel", reason="older setuptools need the package wheel")
     here = tmp_path_factory.mktemp("package")
     tree = here / "tree"
     tree.mkdir()
