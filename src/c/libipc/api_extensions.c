@@ -56,7 +56,8 @@ IPC_RETURN_TYPE IPCx_process(void)
 {
     IPC_RETURN_TYPE first = IPC_listen(0);
     IPC_RETURN_TYPE result = first;
-    for (int i = 1; i < MAX_PASSES && result == IPC_OK && IPC_isConnected() && !api_is_given_up(); i++) {
+    for (int i = 1; i < MAX_PASSES && result == IPC_OK && IPC_isConnected() && !api_is_given_up();
+         i++) {
         result = IPC_listen(0);
     }
     struct library *library = library_enter();
