@@ -139,7 +139,26 @@ IPC_RETURN_TYPE IPCx_subscribeConnection(IPCX_CONNECTION_HANDLER handler, void *
 /* Ends that; if handler was not subscribed nothing happens.  Errors: the same. */
 IPC_RETURN_TYPE IPCx_unsubscribeConnection(IPCX_CONNECTION_HANDLER handler);
 
+/*
+ * Lets a program end calls that wait, as interpreters have to for Ctrl-C and for handlers that
+ * failed.  giveUp is asked by the thread that waits: after each wait, when a signal was caught, every
+ * 200 milliseconds, and after handlers ran if the call is to go on.  It may do all that a handler may.
+ * When it returns anything but 0 the call ends: listening calls, queries and IPCx_process as if
+ * their time were over, others with an error unless their work is done; what was to be sent is.
+ * NULL: nobody is asked.
+ */
+void IPCx_setGiveUp(int (*giveUp)(void));
+
 /* -------------------------------------------------------------------- data */
+
+/*
+ * What the library knows of the bytes of a message: their number, and whether their numbers
+ * have the most significant byte first, as the sender's host has it.
+ *   byteArray  given to a handler that runs, or kept by one, or the response to a query
+ * Returns IPC_OK, or IPC_Error with IPC_Null_Argument, or IPC_Argument_Out_Of_Range (bytes from
+ * elsewhere).
+ */
+IPC_RETURN_TYPE IPCx_arrayInfo(BYTE_ARRAY byteArray, unsigned int *length, int *isBigEndian);
 
 /*
  * As IPC_unmarshall, for bytes whose number is known: nothing behind length is read.

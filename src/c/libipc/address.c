@@ -56,7 +56,8 @@ bool address_is_loopback(const struct address *address)
            strcmp(address->host, "::1") == 0;
 }
 
-int address_connect(const struct address *address, int timeout_ms, int *fd, bool *local)
+int address_connect(const struct address *address, int timeout_ms, int (*give_up)(void), int *fd,
+                    bool *local)
 {
     bool ignored;
     bool *const by_local = local != NULL ? local : &ignored;
@@ -69,5 +70,5 @@ int address_connect(const struct address *address, int timeout_ms, int *fd, bool
             return 0;
         }
     }
-    return net_connect_tcp(address->host, address->port, timeout_ms, fd);
+    return net_connect_tcp(address->host, address->port, timeout_ms, give_up, fd);
 }

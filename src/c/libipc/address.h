@@ -23,6 +23,7 @@ int address_parse(const char *text, struct address *address);
 bool address_is_loopback(const struct address *address);
 
 /* Opens a connection: 0 or as net_connect_tcp.  *local (may be NULL) tells whether it is by Unix socket. */
-int address_connect(const struct address *address, int timeout_ms, int *fd, bool *local);
+int address_connect(const struct address *address, int timeout_ms, int (*give_up)(void), int *fd,
+                    bool *local);
 
 #endif

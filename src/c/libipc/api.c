@@ -13,7 +13,7 @@
 static bool is_there(struct _X_IPC_CONTEXT *context)
 {
     if (context->away != NULL) {
-        wait_turn(context->library, clock_ns());
+        (void)wait_turn(context->library, clock_ns());
     } else if (context->reconnect == IPCX_RECONNECT_WAIT) {
         (void)receive(context); /* a loss shows in the context's state */
     }
@@ -57,4 +57,12 @@ IPC_RETURN_TYPE api_leave(struct api *api, IPC_ERROR_TYPE error)
     }
     IPC_errno = IPC_Not_Connected; /* the loss has been reported; once is enough */
     return IPC_Error;
+}
+
+bool api_is_given_up(void)
+{
+    struct library *library = library_enter();
+    const bool given_up = wait_is_given_up(library);
+    library_leave(library);
+    return given_up;
 }

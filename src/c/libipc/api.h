@@ -31,4 +31,7 @@ IPC_RETURN_TYPE api_leave(struct api *api, IPC_ERROR_TYPE error);
 /* Checks of functions that marshall before they send: the library must be initialised. */
 IPC_ERROR_TYPE api_enter_to_marshall(struct api *api);
 
+/* Whether the program wants a call to end that would listen once more. */
+bool api_is_given_up(void);
+
 #endif

@@ -8,6 +8,7 @@
 #include "libipc/event_set.h"
 #include "libipc/formatter.h"
 #include "libipc/inbox.h"
+#include "libipc/known_arrays.h"
 #include "libipc/notify.h"
 #include "libipc/shell.h"
 #include "libipc/wait.h"
@@ -66,7 +67,8 @@ IPC_RETURN_TYPE IPCx_process(void)
 {
     IPC_RETURN_TYPE first = IPC_listen(0);
     IPC_RETURN_TYPE result = first;
-    for (int i = 1; i < MAX_PASSES && result == IPC_OK && IPC_isConnected(); i++) {
+    for (int i = 1; i < MAX_PASSES && result == IPC_OK && IPC_isConnected() && !api_is_given_up();
+         i++) {
         result = IPC_listen(0);
     }
     struct library *library = library_enter();
@@ -74,6 +76,29 @@ IPC_RETURN_TYPE IPCx_process(void)
     inbox_tell(library);
     library_leave(library);
     return result == IPC_Error ? IPC_Error : first;
+}
+
+void IPCx_setGiveUp(int (*giveUp)(void))
+{
+    struct library *library = library_enter();
+    library->give_up = giveUp;
+    library_leave(library);
+}
+
+IPC_RETURN_TYPE IPCx_arrayInfo(BYTE_ARRAY byteArray, unsigned int *length, int *isBigEndian)
+{
+    if (byteArray == NULL || length == NULL || isBigEndian == NULL) {
+        return report(IPC_Null_Argument);
+    }
+    struct library *library = library_enter();
+    const struct format_source source = known_arrays_find(library, byteArray);
+    library_leave(library);
+    if (source.length == SIZE_MAX) {
+        return report(IPC_Argument_Out_Of_Range);
+    }
+    *length = (unsigned int)source.length;
+    *isBigEndian = source.order == ORDER_BIG;
+    return IPC_OK;
 }
 
 IPC_RETURN_TYPE IPCx_unmarshallN(FORMATTER_PTR formatter, BYTE_ARRAY byteArray,

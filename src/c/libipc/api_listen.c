@@ -31,6 +31,7 @@ static IPC_RETURN_TYPE result_of(struct api *api, enum listen_result result)
     case LISTEN_DISCONNECTED:
         return api_leave(api, IPC_Not_Connected);
     case LISTEN_NOTHING:
+    case LISTEN_GIVEN_UP:
     default:
         return api_leave(api, IPC_No_Error) == IPC_OK ? IPC_Timeout : IPC_Error;
     }
@@ -64,7 +65,7 @@ IPC_RETURN_TYPE IPC_listenClear(unsigned int timeoutMSecs)
 {
     const IPC_RETURN_TYPE first = IPC_listen(timeoutMSecs);
     IPC_RETURN_TYPE result = first;
-    while (result == IPC_OK && IPC_isConnected()) {
+    while (result == IPC_OK && IPC_isConnected() && !api_is_given_up()) {
         result = IPC_listen(CLEAR_MS);
     }
     return result == IPC_Error ? IPC_Error : first;
@@ -76,7 +77,7 @@ IPC_RETURN_TYPE IPC_listenWait(unsigned int timeoutMSecs)
     IPC_RETURN_TYPE result;
     do {
         result = listen_until(deadline, LISTEN_BATCH);
-    } while (result != IPC_Error && !wait_is_over(deadline));
+    } while (result != IPC_Error && !wait_is_over(deadline) && !api_is_given_up());
     return result;
 }
 
@@ -90,7 +91,7 @@ IPC_RETURN_TYPE IPC_dispatch(void)
     IPC_RETURN_TYPE result;
     do {
         result = IPC_listen(IPC_WAIT_FOREVER);
-    } while (result != IPC_Error);
+    } while (result != IPC_Error && !api_is_given_up());
     return result;
 }
 

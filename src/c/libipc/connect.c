@@ -33,8 +33,11 @@ static enum try_result shake_hands(struct _X_IPC_CONTEXT *context)
     handshake_init(&handshake, context);
     enum handshake_result result = handshake_step(&handshake);
     while (result == HANDSHAKE_GOES_ON) {
-        wait_turn(context->library, handshake.deadline_ns);
+        const bool go_on = wait_turn(context->library, handshake.deadline_ns);
         result = handshake_step(&handshake);
+        if (!go_on && result == HANDSHAKE_GOES_ON) {
+            result = HANDSHAKE_BROKEN;
+        }
     }
     handshake_fini(&handshake);
     return result == HANDSHAKE_DONE       ? TRY_OK
@@ -59,10 +62,13 @@ static enum try_result try_once(const char *module, const char *server, bool wil
 {
     int fd;
     bool local;
-    if (address_connect(address, CONNECT_TIMEOUT_MS, &fd, &local) != 0) {
+    struct library *library = library_enter();
+    int (*const give_up)(void) = library->give_up;
+    library_leave(library);
+    if (address_connect(address, CONNECT_TIMEOUT_MS, give_up, &fd, &local) != 0) {
         return TRY_NOBODY;
     }
-    struct library *library = library_enter();
+    library = library_enter();
     struct _X_IPC_CONTEXT *context =
         context_new(library, fd, module, server, address->port, will_listen);
     context->lost = closing_lost;
@@ -97,8 +103,9 @@ static enum already look_for_connection(const char *server, bool will_listen, in
         context->will_listen = will_listen;
         *port = context->port;
         const uint64_t deadline = wait_deadline(N_TRIES * PAUSE_MS);
-        while (context->away != NULL && !wait_is_over(deadline)) {
-            wait_turn(library, deadline);
+        bool go_on = true;
+        while (go_on && context->away != NULL && !wait_is_over(deadline)) {
+            go_on = wait_turn(library, deadline);
         }
         already = context_is_connected(context) ? ALREADY_CONNECTED : ALREADY_AWAY;
         inbox_tell(library);
@@ -146,7 +153,9 @@ static IPC_RETURN_TYPE try_often(const char *module, const char *server, bool by
         if (result == TRY_MISMATCH) {
             break; /* trying again would not change it */
         }
-        (void)ready_wait(NULL, 0, PAUSE_MS);
+        if (!wait_pause(PAUSE_MS)) {
+            break;
+        }
     }
     return report(IPC_Not_Connected);
 }

@@ -196,8 +196,9 @@ static struct peer *open_outgoing(struct _X_IPC_CONTEXT *context, const char *ho
         return NULL;
     }
     address.port = port;
+    int (*const give_up)(void) = context->library->give_up;
     library_leave(context->library);
-    const int error = address_connect(&address, CONNECT_TIMEOUT_MS, &fd, NULL);
+    const int error = address_connect(&address, CONNECT_TIMEOUT_MS, give_up, &fd, NULL);
     mutex_lock(context->library->lock);
     if (error != 0) {
         return NULL;

@@ -55,8 +55,9 @@ IPC_ERROR_TYPE exchange_drain(struct _X_IPC_CONTEXT *context, uint64_t mark)
     const unsigned connection = context->connection;
     IPC_ERROR_TYPE error = exchange_flush(context);
     context->writers++;
-    while (error == IPC_No_Error && context->link.written < mark) {
-        wait_turn(context->library, NO_DEADLINE);
+    bool given_up = false; /* then it leaves later */
+    while (error == IPC_No_Error && !given_up && context->link.written < mark) {
+        given_up = !wait_turn(context->library, NO_DEADLINE) && link_keep_borrowed(&context->link);
         if (context->connection != connection || !context_is_open(context)) {
             error = lost(context);
         }
@@ -69,8 +70,9 @@ IPC_ERROR_TYPE exchange_drain(struct _X_IPC_CONTEXT *context, uint64_t mark)
 
 bool exchange_await_central(struct _X_IPC_CONTEXT *context)
 {
-    while (context->away != NULL && context->reconnect == IPCX_RECONNECT_WAIT) {
-        wait_turn(context->library, NO_DEADLINE);
+    bool go_on = true;
+    while (go_on && context->away != NULL && context->reconnect == IPCX_RECONNECT_WAIT) {
+        go_on = wait_turn(context->library, NO_DEADLINE);
     }
     return context_is_connected(context);
 }
@@ -144,14 +146,15 @@ IPC_ERROR_TYPE exchange_await(struct _X_IPC_CONTEXT *context, struct awaited *aw
     if (timed_out != NULL) {
         *timed_out = false;
     }
+    bool go_on = true;
     while (!awaited->done && !awaited->failed) {
-        if (wait_is_over(deadline_ns)) {
+        if (!go_on || wait_is_over(deadline_ns)) {
             if (timed_out != NULL) {
                 *timed_out = true;
             }
-            return IPC_Not_Connected;
+            return go_on ? IPC_Not_Connected : IPC_Communication_Error;
         }
-        wait_turn(context->library, deadline_ns);
+        go_on = wait_turn(context->library, deadline_ns);
     }
     return awaited->done ? IPC_No_Error : IPC_Not_Connected;
 }

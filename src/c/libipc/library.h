@@ -59,6 +59,7 @@ struct library {
     struct source_list *waiting; /* what it waits for, or is looking at after the wait; else NULL */
     unsigned sleepers;         /* threads that wait for it in turn */
     unsigned listeners;        /* threads inside a listening call */
+    int (*give_up)(void);      /* whether the thread that asks should wait no longer; NULL: never */
     struct waker waker;        /* ends the wait in the kernel */
 
     bool initialised;                  /* always while a context is live (context.h) */

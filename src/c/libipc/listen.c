@@ -115,7 +115,11 @@ static enum listen_result rounds(struct library *library, uint64_t deadline_ns,
 {
     for (;;) {
         bool over = wait_is_over(deadline_ns);
+        const uint64_t n_passes = library->timer_passes;
         timer_run_due(library);
+        if (library->timer_passes != n_passes && wait_is_given_up(library)) {
+            return LISTEN_GIVEN_UP;
+        }
         if (awaited == NULL && context_current_live(library) == NULL) {
             return LISTEN_NOTHING; /* a timer has disconnected */
         }
@@ -137,7 +141,9 @@ static enum listen_result rounds(struct library *library, uint64_t deadline_ns,
             return LISTEN_NOTHING;
         }
         closing_settle(library); /* handlers may have ended their connections */
-        wait_turn(library, deadline_ns);
+        if (!wait_turn(library, deadline_ns)) {
+            return LISTEN_GIVEN_UP;
+        }
         if (awaited == NULL && context_current_live(library) == NULL) {
             return LISTEN_DISCONNECTED;
         }
@@ -162,8 +168,8 @@ enum listen_result listen_pass(struct library *library, uint64_t deadline_ns,
                                          : LISTEN_DISCONNECTED;
 }
 
-void listen_pass_for(struct library *library, uint64_t deadline_ns,
-                     const struct awaited *awaited)
+enum listen_result listen_pass_for(struct library *library, uint64_t deadline_ns,
+                                   const struct awaited *awaited)
 {
-    (void)pass(library, deadline_ns, LISTEN_BATCH, awaited);
+    return pass(library, deadline_ns, LISTEN_BATCH, awaited);
 }

@@ -70,8 +70,9 @@ void peer_drain(struct peer *peer, uint64_t mark)
     struct _X_IPC_CONTEXT *context = peer->context;
     context->draining++;
     const bool broken = peer->link.fd >= 0 && link_flush(&peer->link) < 0;
-    while (!broken && peer->link.fd >= 0 && peer->link.written < mark) {
-        wait_turn(context->library, NO_DEADLINE);
+    bool given_up = false; /* then it leaves later */
+    while (!broken && !given_up && peer->link.fd >= 0 && peer->link.written < mark) {
+        given_up = !wait_turn(context->library, NO_DEADLINE) && link_keep_borrowed(&peer->link);
     }
     context->draining--;
     if (broken) {

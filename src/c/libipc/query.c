@@ -55,7 +55,13 @@ IPC_ERROR_TYPE query_notify(struct _X_IPC_CONTEXT *context, const char *name, un
     return send_query(context, message, content, length, awaited);
 }
 
-/* Listens until the reply is there, the connection has gone, or time is over. */
+/* Whether the program gives up the query, after a pass with that result. */
+static bool is_given_up(struct library *library, enum listen_result result)
+{
+    return result == LISTEN_GIVEN_UP || (result == LISTEN_HANDLED && wait_is_given_up(library));
+}
+
+/* Listens until the reply is there, the connection has gone, or time is over or given up. */
 static IPC_ERROR_TYPE listen_for(struct _X_IPC_CONTEXT *context, struct awaited *awaited,
                                  uint64_t deadline_ns, bool *timed_out)
 {
@@ -67,7 +73,8 @@ static IPC_ERROR_TYPE listen_for(struct _X_IPC_CONTEXT *context, struct awaited 
             return IPC_No_Error;
         }
         last = wait_is_over(deadline_ns); /* one more look at what is there already */
-        listen_pass_for(context->library, deadline_ns, awaited);
+        last = is_given_up(context->library,
+                           listen_pass_for(context->library, deadline_ns, awaited)) || last;
     }
     return awaited->done ? IPC_No_Error : IPC_Not_Connected;
 }

@@ -49,7 +49,7 @@ static enum shell_result end_central_at(const struct address *address)
 {
     int fd;
     bool local;
-    if (address_connect(address, CONNECT_MS, &fd, &local) != 0) {
+    if (address_connect(address, CONNECT_MS, NULL, &fd, &local) != 0) {
         return SHELL_NONE;
     }
     const int process = local ? owner_of_peer(fd) : owner_of_port(address->port, true);

@@ -5,6 +5,10 @@
 
 #include "libipc/event_set.h"
 
+enum {
+    ASK_MS = 200 /* a signal that comes just before a wait, or in another thread, does not end it */
+};
+
 uint64_t wait_deadline(unsigned int timeout_ms)
 {
     return timeout_ms == IPC_WAIT_FOREVER ? NO_DEADLINE
@@ -14,6 +18,47 @@ uint64_t wait_deadline(unsigned int timeout_ms)
 bool wait_is_over(uint64_t deadline_ns)
 {
     return deadline_ns != NO_DEADLINE && clock_ns() >= deadline_ns;
+}
+
+/* ----------------------------------------------------------------- giving up */
+
+bool wait_is_given_up(struct library *library)
+{
+    int (*const give_up)(void) = library->give_up;
+    if (give_up == NULL) {
+        return false;
+    }
+    library_leave(library);
+    const bool given_up = give_up() != 0;
+    mutex_lock(library->lock);
+    return given_up;
+}
+
+/* The end of one wait: the deadline, or when the program is to be asked next. */
+static uint64_t end_of_turn(const struct library *library, uint64_t deadline_ns)
+{
+    if (library->give_up == NULL) {
+        return deadline_ns;
+    }
+    const uint64_t ask_ns = clock_ns() + (uint64_t)ASK_MS * 1000000u;
+    return ask_ns < deadline_ns ? ask_ns : deadline_ns;
+}
+
+bool wait_pause(int milliseconds)
+{
+    const uint64_t deadline = clock_ns() + (uint64_t)milliseconds * 1000000u;
+    struct library *library = library_enter();
+    bool go_on = !wait_is_given_up(library);
+    while (go_on && !wait_is_over(deadline)) {
+        const uint64_t end = end_of_turn(library, deadline);
+        const uint64_t now = clock_ns();
+        library_leave(library);
+        (void)ready_wait_or_signal(NULL, 0, end > now ? (int64_t)((end - now) / 1000000u) + 1 : 0);
+        mutex_lock(library->lock);
+        go_on = !wait_is_given_up(library);
+    }
+    library_leave(library);
+    return go_on;
 }
 
 /* -------------------------------------------------------------------- sources */
@@ -113,7 +158,7 @@ static void wait_in_kernel(struct library *library, uint64_t deadline_ns)
     library->waiting = &list;
     library->polling = true;
     library_leave(library);
-    const int found = ready_wait(list.items, list.count, patience);
+    const int found = ready_wait_or_signal(list.items, list.count, patience);
     mutex_lock(library->lock);
     library->polling = false;
     if (list.items[0].found != 0) {
@@ -152,14 +197,16 @@ static void wait_for_other(struct library *library, uint64_t deadline_ns)
     library->sleepers--;
 }
 
-void wait_turn(struct library *library, uint64_t deadline_ns)
+bool wait_turn(struct library *library, uint64_t deadline_ns)
 {
     if (write_all(library)) {
-        return;
+        return true;
     }
+    const uint64_t end_ns = end_of_turn(library, deadline_ns);
     if (library->polling) {
-        wait_for_other(library, deadline_ns);
+        wait_for_other(library, end_ns);
     } else {
-        wait_in_kernel(library, deadline_ns);
+        wait_in_kernel(library, end_ns);
     }
+    return !wait_is_given_up(library);
 }

@@ -28,8 +28,15 @@ void wait_wake(struct library *library);
 /* What is to be waited for has changed: they look again, and so do other event loops. */
 void wait_changed(struct library *library);
 
-/* Writes what waits, then waits until something may have changed, or until the deadline. */
-void wait_turn(struct library *library, uint64_t deadline_ns);
+/* Writes what waits, then waits until something may have changed, or until the deadline.  Returns
+ * whether to go on waiting if it has not: false when the program gives up. */
+bool wait_turn(struct library *library, uint64_t deadline_ns);
+
+/* Whether the program gives up what this thread waits for.  The lock is given up while it is asked. */
+bool wait_is_given_up(struct library *library);
+
+/* Waits so long for nothing, without the lock; false when the program gives up. */
+bool wait_pause(int milliseconds);
 
 /* When a source has something to do though nothing has arrived; NO_DEADLINE: never. */
 uint64_t wait_due(const struct library *library);

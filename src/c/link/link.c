@@ -172,6 +172,22 @@ uint64_t link_queue_borrowed(struct link *link, const struct frame *frame, const
     return link->queued;
 }
 
+bool link_keep_borrowed(struct link *link)
+{
+    for (size_t i = 0; i < link->n_pieces; i++) {
+        struct link_piece *piece = piece_at(link, i);
+        if (piece->bytes == NULL || piece->block != NULL) {
+            continue;
+        }
+        piece->block = block_copy(piece->bytes, piece->length);
+        if (piece->block == NULL) {
+            return false;
+        }
+        piece->bytes = piece->block->bytes;
+    }
+    return true;
+}
+
 void link_queue_raw(struct link *link, const void *bytes, size_t count)
 {
     append(link, bytes, count);

@@ -60,6 +60,10 @@ void link_queue(struct link *link, const struct frame *frame);
 uint64_t link_queue_borrowed(struct link *link, const struct frame *frame, const void *prefix,
                              size_t prefix_length, const void *content, size_t content_length);
 
+/* Copies what is queued and not written of such content, so that its owners may change it: whether
+ * there was memory. */
+bool link_keep_borrowed(struct link *link);
+
 /* Queues raw bytes (copied). */
 void link_queue_raw(struct link *link, const void *bytes, size_t count);
 

@@ -58,8 +58,9 @@ int net_open_spare(void);
  * 0, 1 when none is waiting, ERR_LIMIT, ERR_IO. */
 int net_refuse(int listener, int *spare);
 
-/* Connects, waiting at most timeout_ms: 0 or ERR_REFUSED, ERR_TIMEOUT, ERR_UNKNOWN (no such host), ERR_IO. */
-int net_connect_tcp(const char *host, int port, int timeout_ms, int *fd);
+/* Connects, waiting at most timeout_ms: 0 or ERR_REFUSED, ERR_TIMEOUT, ERR_UNKNOWN (no such host), ERR_IO.
+ * give_up (may be NULL) is asked when a signal was caught: anything but 0 is the end of the time. */
+int net_connect_tcp(const char *host, int port, int timeout_ms, int (*give_up)(void), int *fd);
 int net_connect_local(const char *path, int *fd);
 
 /* Begins to connect to a numeric address, without waiting: 0 or ERR_UNKNOWN (not numeric), ERR_REFUSED, ERR_IO. */
@@ -113,6 +114,9 @@ struct ready_item {
 /* Waits for any of a few descriptors (-1: none), timeout_ms -1 for ever: number of items found, 0, or
  * ERR_IO.  A signal does not end the wait. */
 int ready_wait(struct ready_item *items, size_t n_items, int64_t timeout_ms);
+
+/* The same, but a signal that is caught ends the wait as if its time were over. */
+int ready_wait_or_signal(struct ready_item *items, size_t n_items, int64_t timeout_ms);
 
 /* A set of many descriptors whose cost does not grow with those that are idle. */
 struct poller;

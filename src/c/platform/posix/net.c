@@ -343,7 +343,7 @@ static int result_of_connecting(int fd)
     return reason == 0 ? 0 : ERR_REFUSED;
 }
 
-static int await_connection(int fd, uint64_t deadline_ns)
+static int await_connection(int fd, uint64_t deadline_ns, int (*give_up)(void))
 {
     for (;;) {
         const uint64_t now = clock_ns();
@@ -359,11 +359,15 @@ static int await_connection(int fd, uint64_t deadline_ns)
         if (n < 0 && errno != EINTR) {
             return ERR_IO;
         }
+        if (n < 0 && give_up != NULL && give_up() != 0) {
+            return ERR_TIMEOUT;
+        }
     }
     return result_of_connecting(fd);
 }
 
-static int connect_to(const struct addrinfo *target, uint64_t deadline_ns, int *fd)
+static int connect_to(const struct addrinfo *target, uint64_t deadline_ns, int (*give_up)(void),
+                      int *fd)
 {
     int error = new_socket(target->ai_family, fd);
     if (error != 0) {
@@ -373,11 +377,12 @@ static int connect_to(const struct addrinfo *target, uint64_t deadline_ns, int *
     if (connect(*fd, target->ai_addr, target->ai_addrlen) == 0) {
         return 0;
     }
-    error = errno == EINPROGRESS || errno == EINTR ? await_connection(*fd, deadline_ns) : ERR_REFUSED;
+    error = errno == EINPROGRESS || errno == EINTR ? await_connection(*fd, deadline_ns, give_up)
+                                                   : ERR_REFUSED;
     return error == 0 ? 0 : close_with(*fd, error);
 }
 
-int net_connect_tcp(const char *host, int port, int timeout_ms, int *fd)
+int net_connect_tcp(const char *host, int port, int timeout_ms, int (*give_up)(void), int *fd)
 {
     const uint64_t deadline = clock_ns() + (uint64_t)timeout_ms * 1000000u;
     struct addrinfo hints;
@@ -395,7 +400,7 @@ int net_connect_tcp(const char *host, int port, int timeout_ms, int *fd)
     }
     int error = ERR_UNKNOWN;
     for (const struct addrinfo *target = targets; target != NULL; target = target->ai_next) {
-        error = connect_to(target, deadline, fd);
+        error = connect_to(target, deadline, give_up, fd);
         if (error == 0) {
             break;
         }

@@ -28,8 +28,8 @@ static int remaining_ms(uint64_t deadline_ns, int64_t timeout_ms)
     return left_ms > INT_MAX ? INT_MAX : (int)left_ms;
 }
 
-/* poll until something is found or the time is over, whatever signals come. */
-static int poll_until(struct pollfd *polled, size_t n, int64_t timeout_ms)
+/* poll until something is found or the time is over, or, if it should, until a signal comes. */
+static int poll_until(struct pollfd *polled, size_t n, int64_t timeout_ms, bool or_signal)
 {
     const uint64_t deadline =
         timeout_ms > 0 ? clock_ns() + (uint64_t)timeout_ms * 1000000u : 0;
@@ -41,6 +41,9 @@ static int poll_until(struct pollfd *polled, size_t n, int64_t timeout_ms)
         }
         if (found < 0 && errno != EINTR) {
             return ERR_IO;
+        }
+        if (found < 0 && or_signal) {
+            return 0;
         }
     }
 }
@@ -57,7 +60,7 @@ static short from_poll(short events)
                    (events & POLLNVAL ? READY_INVALID : 0));
 }
 
-int ready_wait(struct ready_item *items, size_t n_items, int64_t timeout_ms)
+static int wait_for(struct ready_item *items, size_t n_items, int64_t timeout_ms, bool or_signal)
 {
     struct pollfd few[FEW];
     struct pollfd *polled = n_items <= FEW ? few : malloc(n_items * sizeof *polled);
@@ -69,7 +72,7 @@ int ready_wait(struct ready_item *items, size_t n_items, int64_t timeout_ms)
         polled[i].events = to_poll(items[i].wanted);
         polled[i].revents = 0;
     }
-    const int found = poll_until(polled, n_items, timeout_ms);
+    const int found = poll_until(polled, n_items, timeout_ms, or_signal);
     for (size_t i = 0; i < n_items; i++) {
         items[i].found = found > 0 ? from_poll(polled[i].revents) : 0;
     }
@@ -77,6 +80,16 @@ int ready_wait(struct ready_item *items, size_t n_items, int64_t timeout_ms)
         free(polled);
     }
     return found;
+}
+
+int ready_wait(struct ready_item *items, size_t n_items, int64_t timeout_ms)
+{
+    return wait_for(items, n_items, timeout_ms, false);
+}
+
+int ready_wait_or_signal(struct ready_item *items, size_t n_items, int64_t timeout_ms)
+{
+    return wait_for(items, n_items, timeout_ms, true);
 }
 
 static int prepare(int fd)

@@ -1,0 +1,174 @@
+"""Calls into the C library: text, exceptions of handlers, Ctrl-C.
+
+A call in which handlers may run is made through listen().  An exception of a handler is kept until
+the library returns and then goes on its way from there; the library is asked to return soon.
+"""
+from __future__ import annotations
+
+import sys
+import threading
+from types import TracebackType
+from typing import Any, Callable, Optional, Tuple, Type, Union
+
+from ._ffi import ffi, lib
+from .constants import IPC_Not_Connected, IPC_RETURN_TYPE
+from .errors import raise_error, result
+
+Text = Union[str, bytes]
+
+
+# ----------------------------------------------------------------------- text
+
+def to_bytes(text: Optional[Text], what: str = "a name") -> Optional[bytes]:
+    """A name or text as the library gets it."""
+    if text is None:
+        return None
+    if isinstance(text, str):
+        text = text.encode("utf-8", "surrogateescape")
+    elif not isinstance(text, bytes):
+        raise TypeError(f"{what} has to be str or bytes, not {type(text).__name__}")
+    if b"\0" in text:
+        raise ValueError(f"{what} contains a NUL character")
+    return text
+
+
+def text_argument(text: Optional[Text], what: str = "a name") -> Any:
+    """The same, with NULL for None."""
+    encoded = to_bytes(text, what)
+    return ffi.NULL if encoded is None else encoded
+
+
+def to_text(pointer: Any) -> str:
+    """A copy of a string of the library."""
+    return bytes(ffi.string(pointer)).decode("utf-8", "surrogateescape")
+
+
+def number_argument(number: Any, what: str) -> int:
+    """An unsigned int of the library; -1 is the largest, None is for ever, fractions round up."""
+    if number is None:
+        return 0xFFFFFFFF
+    if isinstance(number, float):
+        number = int(-(-number // 1))
+    if number == -1:
+        return 0xFFFFFFFF
+    if not 0 <= number <= 0xFFFFFFFF:
+        raise OverflowError(f"{what} has to be 0 to 4294967295, not {number}")
+    return int(number)
+
+
+# ------------------------------------------------------------------ listening
+
+class _Call:
+    """A call that is under way in a thread, and what it has to hand on."""
+
+    __slots__ = ("outer", "failure", "lost", "enough")
+
+    def __init__(self, outer: Optional[_Call]) -> None:
+        self.outer = outer
+        self.failure: Optional[BaseException] = None
+        self.lost = False
+        self.enough: Optional[Callable[[], bool]] = None
+
+
+class _Thread(threading.local):
+    call: Optional[_Call] = None
+
+
+_thread = _Thread()
+
+
+def waits(function: Callable[..., int], *arguments: Any,
+          enough: Optional[Callable[[], bool]] = None) -> int:
+    """Calls a function of the library in which this thread may wait, and handlers may run.
+
+    The wait ends early when enough() is true.
+    """
+    call = _thread.call = _Call(_thread.call)
+    call.enough = enough
+    try:
+        number = function(*arguments)
+    finally:
+        _thread.call = call.outer
+    if call.failure is not None:
+        failure, call.failure = call.failure, None
+        raise failure
+    if call.lost:
+        return int(raise_error(IPC_Not_Connected))
+    return number
+
+
+def listen(function: Callable[..., int], *arguments: Any) -> IPC_RETURN_TYPE:
+    """The same for functions that return IPC_RETURN_TYPE."""
+    return result(waits(function, *arguments))
+
+
+def send(function: Callable[..., int], before: Tuple[Any, ...], length: int, content: Any,
+         *after: Any) -> IPC_RETURN_TYPE:
+    """Calls a function of the library that takes bytes behind other arguments."""
+    if content is None:
+        return listen(function, *before, length, ffi.NULL, *after)
+    # Given back at once: what an exception keeps alive would not be otherwise.
+    with ffi.from_buffer(content) as view:
+        return listen(function, *before, length, view, *after)
+
+
+def handler_failed(kind: Type[BaseException], failure: BaseException,
+                   trace: Optional[TracebackType]) -> None:
+    """Keeps an exception that left a handler for the call that the handler runs in."""
+    call = _thread.call
+    if call is not None and call.failure is None:
+        call.failure = failure.with_traceback(trace)
+    else:
+        report: Any = _Unraisable(kind, failure, trace)
+        sys.unraisablehook(report)
+
+
+class _Unraisable:
+    """What sys.unraisablehook is told of an exception that cannot go anywhere."""
+
+    def __init__(self, kind: Type[BaseException], failure: BaseException,
+                 trace: Optional[TracebackType]) -> None:
+        self.exc_type, self.exc_value, self.exc_traceback = kind, failure, trace
+        self.err_msg = "Exception ignored in a handler of IPC"
+        self.object: Any = None
+
+
+@ffi.def_extern(onerror=handler_failed, error=1)  # type: ignore[untyped-decorator, unused-ignore]
+def py_give_up() -> int:
+    # Signal handlers of Python run here, in the main thread, and may raise.
+    for _ in range(2):
+        pass
+    call = _thread.call
+    if call is None:
+        return 0
+    return int(call.failure is not None or call.lost or call.enough is not None and call.enough())
+
+
+@ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]
+def py_loss() -> None:
+    # The library has lost the connection of its current context.
+    from .handlers import forget_context
+    forget_context(lib.IPC_getContext())
+    if _thread.call is not None:
+        _thread.call.lost = True
+
+
+def begin() -> None:
+    """Before the library is initialised or connected: that forgets what was arranged before."""
+    if _State.ended:
+        raise RuntimeError("IPC cannot be used while Python ends")
+    _State.begun = True
+    lib.glue_begin()
+
+
+class _State:
+    begun = False
+    ended = False
+
+
+def end() -> None:
+    """Before Python ends: its functions are not called any more."""
+    _State.ended = True
+    if _State.begun:
+        lib.glue_end()
+

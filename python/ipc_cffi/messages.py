@@ -1,0 +1,140 @@
+"""Defining and publishing messages, and what can be asked of an instance
+[manual 4.20 to 4.25, 4.37 to 4.41, 6.12]."""
+from __future__ import annotations
+
+from typing import Any, Optional, Tuple
+
+from ._ffi import ffi, lib
+from .bytearrays import IPC_VARCONTENT_TYPE, bytes_argument
+from .constants import (IPC_Error, IPC_FIXED_LENGTH, IPC_Null_Argument, IPC_RETURN_TYPE,
+                        IPC_VARIABLE_LENGTH)
+from .errors import fail, raise_error
+from .formatters import FORMATTER_PTR, IPC_msgFormatter, ask_for_formatter, encode
+from .handlers import MSG_INSTANCE
+from .library import Text, listen, number_argument, send, text_argument, to_text, waits
+
+
+def instance_argument(msgInstance: Any) -> Any:
+    """An instance as the library gets it."""
+    if msgInstance is None:
+        return ffi.NULL
+    if not isinstance(msgInstance, MSG_INSTANCE):
+        raise TypeError(f"a message instance is needed, not {type(msgInstance).__name__}")
+    return msgInstance.pointer
+
+
+# ------------------------------------------------------------------ definitions
+
+def IPC_defineMsg(msgName: Text, length: int, formatString: Optional[Text]) -> IPC_RETURN_TYPE:
+    """Defines a message."""
+    return listen(lib.IPC_defineMsg, text_argument(msgName), number_argument(length, "length"),
+                  text_argument(formatString, "a format string"))
+
+
+def IPC_isMsgDefined(msgName: Text) -> bool:
+    """Whether some module has defined the message."""
+    lib.IPC_errno = 0
+    found = waits(lib.IPC_isMsgDefined, text_argument(msgName))
+    if not found and lib.IPC_errno:
+        raise_error()
+    return bool(found)
+
+
+def IPC_setCapacity(capacity: int) -> IPC_RETURN_TYPE:
+    """How many messages the server may give to this module at once."""
+    return listen(lib.IPC_setCapacity, capacity)
+
+
+def IPC_setMsgQueueLength(msgName: Text, queueLength: int) -> IPC_RETURN_TYPE:
+    """How many instances of a message may wait for this module."""
+    return listen(lib.IPC_setMsgQueueLength, text_argument(msgName), queueLength)
+
+
+def IPC_setMsgPriority(msgName: Text, priority: int) -> IPC_RETURN_TYPE:
+    """Messages of higher priority overtake others while they wait."""
+    return listen(lib.IPC_setMsgPriority, text_argument(msgName), priority)
+
+
+# --------------------------------------------------------------------- sending
+
+def content_arguments(length: Any, content: Any) -> Tuple[int, Any]:
+    """The number of bytes, never more than there are, and where they are."""
+    number = number_argument(length, "length")
+    if number == IPC_VARIABLE_LENGTH:
+        return number, None  # the library refuses it before it looks at the bytes
+    content, number = bytes_argument(content, None if number == IPC_FIXED_LENGTH else number)
+    return number, content
+
+
+def IPC_publish(msgName: Text, length: int, content: Any) -> IPC_RETURN_TYPE:
+    """Sends bytes to all who subscribe to the message."""
+    if number_argument(length, "length") == IPC_FIXED_LENGTH:
+        return IPC_publishFixed(msgName, content)
+    return send(lib.IPC_publish, (text_argument(msgName),), *content_arguments(length, content))
+
+
+def IPC_publishVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE]) -> IPC_RETURN_TYPE:
+    """Sends the bytes of varcontent."""
+    if varcontent is None:
+        return fail(IPC_Null_Argument)
+    return IPC_publish(msgName, varcontent.length, varcontent.content)
+
+
+def IPC_publishFixed(msgName: Text, content: Any) -> IPC_RETURN_TYPE:
+    """Sends bytes, as many as the message was defined with."""
+    return send(lib.glue_publish_fixed, (text_argument(msgName),),
+                *content_arguments(IPC_FIXED_LENGTH, content))
+
+
+def encoded_for(msgName: Text, data: Any) -> Tuple[int, Optional[bytearray]]:
+    """Data in the format of a message: their length and bytes.  Raises IPCError or Refused."""
+    lib.IPC_errno = 0
+    formatter = IPC_msgFormatter(msgName)
+    if formatter is None and lib.IPC_errno:
+        raise Refused
+    content = encode(formatter, data)
+    return len(content), content or None
+
+
+class Refused(Exception):
+    """The library refuses the call; its error is in IPC_errno, and was reported."""
+
+
+def IPC_publishData(msgName: Text, data: Any) -> IPC_RETURN_TYPE:
+    """Encodes data by the format of the message, and publishes it."""
+    try:
+        length, content = encoded_for(msgName, data)
+    except Refused:
+        return IPC_Error
+    return send(lib.IPC_publish, (text_argument(msgName),), length, content)
+
+
+# ------------------------------------------------------------------- instances
+
+def IPC_msgInstanceName(msgInstance: Optional[MSG_INSTANCE]) -> Optional[str]:
+    """The name of the message."""
+    name = lib.IPC_msgInstanceName(instance_argument(msgInstance))
+    if name == ffi.NULL:
+        raise_error()
+        return None
+    return to_text(name)
+
+
+def IPC_dataLength(msgInstance: Optional[MSG_INSTANCE]) -> int:
+    """The number of bytes of the instance."""
+    lib.IPC_errno = 0
+    length = int(lib.IPC_dataLength(instance_argument(msgInstance)))
+    if length == 0 and lib.IPC_errno:
+        raise_error()
+    return length
+
+
+def IPC_msgInstanceFormatter(msgInstance: Optional[MSG_INSTANCE]) -> Optional[FORMATTER_PTR]:
+    """The formatter of the message, None if it has no format."""
+    return ask_for_formatter(lib.IPC_msgInstanceFormatter, instance_argument(msgInstance))
+
+
+__all__ = ["IPC_defineMsg", "IPC_isMsgDefined", "IPC_setCapacity", "IPC_setMsgQueueLength",
+           "IPC_setMsgPriority", "IPC_publish", "IPC_publishVC", "IPC_publishFixed",
+           "IPC_publishData", "IPC_msgInstanceName", "IPC_dataLength",
+           "IPC_msgInstanceFormatter"]

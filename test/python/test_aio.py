@@ -1,0 +1,174 @@
+"""IPC in programs that use asyncio (check 73)."""
+import asyncio
+import time
+
+import pytest
+
+from python.tools import ipc as IPC
+from support.waiting import PATIENCE, SLOW
+
+import ipc_cffi.aio as aio  # noqa: E402  pylint: disable=wrong-import-order
+
+
+def run(coroutine):
+    async def bounded():
+        return await asyncio.wait_for(coroutine, 6 * PATIENCE)
+    return asyncio.run(bounded())
+
+
+@pytest.fixture
+def address(ipc, central):
+    """Of a central of its own."""
+    return central.address
+
+
+def test_a_thousand_messages(address):
+    async def main():
+        async with aio.connect("test", address) as ipc:
+            await ipc.define("m", int)
+            stream = ipc.subscribe("m")
+            for number in range(1000):
+                await ipc.publish("m", number)
+            got = []
+            async for message in stream:
+                got.append(message.data)
+                if len(got) == 1000:
+                    break
+            return got
+    assert run(main()) == list(range(1000))
+
+
+def test_queries_side_by_side(address):
+    async def main():
+        async with aio.connect("test", address) as ipc:
+            await ipc.define("query", int)
+
+            @ipc.on("query")
+            def answer(message):
+                message.respond("query", message.data + 1)
+            return await asyncio.gather(*(ipc.query("query", number, timeout=PATIENCE)
+                                          for number in range(20)))
+    assert run(main()) == list(range(1, 21))
+
+
+def test_no_answer_and_cancellation(address):
+    async def main():
+        async with aio.connect("test", address) as ipc:
+            await ipc.define("query", int)
+            held = []
+
+            @ipc.on("query")
+            def hold(message):
+                message.delay()
+                held.append(message)
+            with pytest.raises(IPC.IPCTimeout):
+                await ipc.query("query", 1, timeout=0.05)
+            held.pop().respond("query", 1)
+            task = asyncio.ensure_future(ipc.query("query", 2))
+            while not held:
+                await asyncio.sleep(0.001)
+            task.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await task
+            held.pop().respond("query", 2)
+            await asyncio.sleep(0.05)
+            with pytest.raises(IPC.MessageNotDefined):
+                await ipc.query("unknown", 2)
+            with pytest.raises(TypeError):
+                await ipc.query("query", "x")
+            return len(IPC.handlers._registrations)
+    assert run(main()) == 1
+
+
+def test_handlers_may_be_coroutines(address):
+    async def main():
+        async with aio.connect("test", address) as ipc:
+            await ipc.define("m", int)
+            got = asyncio.Queue()
+
+            @ipc.on("m")
+            async def handler(message):
+                await asyncio.sleep(0)
+                await got.put(message.data)
+            await ipc.publish("m", 5)
+            return await got.get()
+    assert run(main()) == 5
+
+
+def test_failures_of_handlers_go_to_the_loop(address):
+    async def main():
+        failures = []
+        asyncio.get_running_loop().set_exception_handler(
+            lambda loop, context: failures.append(context["exception"]))
+        async with aio.connect("test", address) as ipc:
+            await ipc.define("m", int)
+
+            @ipc.on("m")
+            def fail(message):
+                raise ValueError("plain")
+
+            @ipc.on("m")
+            async def fail_too(message):
+                raise ValueError("coroutine")
+            await ipc.publish("m", 5)
+            while len(failures) < 2:
+                await asyncio.sleep(0.001)
+        return sorted(str(failure) for failure in failures)
+    assert run(main()) == ["coroutine", "plain"]
+
+
+def test_timers_of_the_library_fire(address):
+    async def main():
+        async with aio.connect("test", address) as ipc:
+            ticks = asyncio.Queue()
+            timer = ipc.every(0.005, lambda: ticks.put_nowait(1))
+            for _ in range(3):
+                await ticks.get()
+            timer.cancel()
+    run(main())
+
+
+def test_the_loop_goes_on_while_nothing_comes(address):
+    async def main():
+        async with aio.connect("test", address) as ipc:
+            await ipc.define("m", int)
+            stream = ipc.subscribe("m")
+            begin = time.process_time()
+            with pytest.raises(asyncio.TimeoutError):
+                await asyncio.wait_for(stream.get(), 0.5)
+            return time.process_time() - begin
+    assert run(main()) < 0.2 * SLOW
+
+
+def test_several_connections(ipc, start_central):
+    centrals = [start_central(), start_central()]
+
+    async def main():
+        async with aio.connect("a", centrals[0].address) as first, \
+                aio.connect("b", centrals[1].address) as second:
+            streams = []
+            for connection in (first, second):
+                await connection.define("m", int)
+                streams.append(connection.subscribe("m"))
+            await first.publish("m", 1)
+            await second.publish("m", 2)
+            return [(await stream.get()).data for stream in streams]
+    assert run(main()) == [1, 2]
+
+
+def test_the_end_of_the_connection_ends_what_waits(ipc, start_central):
+    central = start_central()
+
+    async def main():
+        async with aio.connect("test", central.address) as ipc:
+            await ipc.define("query", int)
+            ipc.on("query", lambda message: message.delay())
+            stream = ipc.subscribe("other")
+            waiting = asyncio.ensure_future(ipc.query("query", 1))
+            await asyncio.sleep(0.05)
+            central.process.kill()
+            central._stopped = True
+            with pytest.raises(IPC.NotConnected):
+                await waiting
+            assert [message async for message in stream] == []
+    run(main())
