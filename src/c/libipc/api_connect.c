@@ -92,7 +92,7 @@ struct connections {
 static void add_fd(struct connections *connections, int fd)
 {
     if (fd >= 0 && fd < FD_SETSIZE) {
-        FD_SET(fd, &connections->set);
+        FD_SET((unsigned)fd, &connections->set); /* a macro that shifts by it, to some systems */
     }
     if (fd > connections->library->max_fd) {
         connections->library->max_fd = fd;
