@@ -82,16 +82,16 @@ def pytest_generate_tests(metafunc):
 
 
 @pytest.fixture(scope="session")
-def trio(mix, machine):
+def machines(mix, machine):
     """The machines of first module, second module and central."""
     return tuple(machine(name) for name in mix[1:])
 
 
 @pytest.fixture
-def connect_pair(trio, mix, stack):
+def connect_pair(machines, mix, stack):
     """Starts a central of the mix and connects two modules, FIRST and SECOND."""
     def connect(*options):
-        first, second, central = trio
+        first, second, central = machines
         running = stack.enter_context(Central(central.central, *options,
                                               original=mix[3] == ORIGINAL))
         return tuple(
@@ -104,11 +104,6 @@ def connect_pair(trio, mix, stack):
 @pytest.fixture
 def pair(connect_pair):
     return connect_pair()
-
-
-@pytest.fixture
-def direct_pair(connect_pair):
-    return connect_pair("-c")
 
 
 # ---------------------------------------------------------------------------- table
@@ -140,8 +135,9 @@ def cell(results):
     passed = results.count("passed")
     if passed == len(results):
         return "pass" if passed == 1 else f"pass ({passed})"
-    reasons = sorted(set(results) - {"passed"})
-    return f"{', '.join(reasons)}" if not passed else f"pass ({passed}), not: {', '.join(reasons)}"
+    if passed:
+        return f"pass ({passed}, skipped {len(results) - passed})"
+    return ", ".join(sorted(set(results)))
 
 
 def pytest_terminal_summary(terminalreporter, config):
