@@ -30,7 +30,7 @@ if(TARGET central AND CMAKE_SYSTEM_NAME STREQUAL "Linux")
         DESTINATION ${IPC_SYSTEMD_UNIT_DIR})
 endif()
 if(TARGET xdrgen)
-    install(TARGETS xdrgen EXPORT ipcTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(TARGETS xdrgen EXPORT ipcXdrgenTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
     install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/xdrgen.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
     install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/completions/xdrgen.bash
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
@@ -47,6 +47,14 @@ install(FILES ${PROJECT_SOURCE_DIR}/include/ipc/ipc.h
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
     DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
+if(IPC_TOP_LEVEL)
+    add_custom_target(uninstall
+        COMMAND ${CMAKE_COMMAND} -D MANIFEST=${PROJECT_BINARY_DIR}/install_manifest.txt
+            -P ${PROJECT_SOURCE_DIR}/cmake/uninstall.cmake
+        COMMENT "Removing what the last installation from this build has installed"
+        USES_TERMINAL VERBATIM)
+endif()
+
 # find_package(ipc).  Programs of CMU IPC 3.9 work with this version, so a
 # request for an older one is met.
 set(IPC_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ipc)
@@ -62,6 +70,10 @@ install(FILES
     ${PROJECT_BINARY_DIR}/cmake/ipcConfigVersion.cmake
     DESTINATION ${IPC_PACKAGE_DIR})
 install(EXPORT ipcTargets NAMESPACE ipc:: DESTINATION ${IPC_PACKAGE_DIR})
+if(TARGET xdrgen)
+    # In a file of its own, so that the library can be installed without.
+    install(EXPORT ipcXdrgenTargets NAMESPACE ipc:: DESTINATION ${IPC_PACKAGE_DIR})
+endif()
 
 # ipc.pc finds its prefix from where it lies itself, so that --prefix at install
 # time and DESTDIR are honoured.

@@ -1,10 +1,11 @@
 """`cmake --install`, and programs that are built with what it has installed."""
 import os
 import re
+import shutil
 
 import pytest
 
-from install.tools import Installation, links_to_files, run, tool
+from install.tools import Installation, ROOT, links_to_files, run, tool
 
 EXPECTED = {"central", "ipc.h", "ipcx.h", "ipc.pc", "ipcConfig.cmake", "ipcConfigVersion.cmake",
             "ipcTargets.cmake", "killCentral", "killModule", "libipc.a", "libipc.so", "libipc.so.1",
@@ -67,6 +68,35 @@ def test_destdir_stands_before_the_prefix(build, tmp_path):
     staged = Installation(str(tmp_path))
     assert "opt/robot/include/ipc/ipc.h" in staged.files
     assert all(file.startswith("opt/robot/") for file in staged.files)
+
+
+def test_uninstalling_leaves_what_others_have_put_there(build, tmp_path):
+    """By the list of an installation; see cmake/uninstall.cmake."""
+    destdir = {"DESTDIR": str(tmp_path)}
+    run("cmake", "--install", build.directory, "--prefix", "/opt/robot", env=destdir)
+    manifest = shutil.copy(os.path.join(build.directory, "install_manifest.txt"), tmp_path)
+    others = [tmp_path / "opt/robot" / name for name in ("bin/other", "include/ipc/other.h")]
+    for file in others:
+        file.touch()
+    run("cmake", "-D", f"MANIFEST={manifest}", "-P", f"{ROOT}/cmake/uninstall.cmake", env=destdir)
+    assert sorted(file for file in tmp_path.rglob("*") if not file.is_dir()) == others
+    assert not list(tmp_path.rglob("cmake/ipc"))
+
+
+def test_the_library_can_be_installed_without_xdrgen(build, tmp_path, consumer):
+    run("cmake", "--install", build.directory, "--prefix", tmp_path / "prefix")
+    installed = Installation(str(tmp_path / "prefix"))
+    for file in installed.files:
+        if "xdrgen" in file.lower():
+            os.remove(os.path.join(installed.prefix, file))
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.16)\n"
+        "project(consumer LANGUAGES C)\n"
+        "find_package(ipc REQUIRED)\n"
+        f"add_executable(consumer {consumer})\n"
+        "target_link_libraries(consumer PRIVATE ipc::ipc)\n")
+    build_with_cmake(tmp_path, build, f"-DCMAKE_PREFIX_PATH={installed.prefix}")
+    assert run(tmp_path / "out/consumer", env=installed.env) == OUTPUT
 
 
 @pytest.mark.parametrize("linking", [[], ["--static"]], ids=["shared", "static"])

@@ -16,7 +16,8 @@ def run_script(*arguments):
 def test_help_is_on_standard_output():
     done = run_script("help")
     assert (done.returncode, done.stderr) == (0, "")
-    assert all(command in done.stdout for command in ("demo", "test", "install", "--prefix"))
+    assert all(command in done.stdout for command in (
+        "demo", "test", "test-all", "install", "uninstall", "packages", "--prefix"))
 
 
 def test_help_names_files_that_are_there():

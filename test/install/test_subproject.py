@@ -47,3 +47,18 @@ def test_only_the_parents_things_are_installed(configured, tmp_path):
     assert scripts
     assert not [script for script in scripts if "libipc" in script.read_text()
                 and "file(INSTALL" in script.read_text() and "/ipc/" in str(script)]
+
+
+def test_fetch_content_gives_the_target_ipc_ipc(consumer, tmp_path):
+    """Nothing is fetched: the source is here."""
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.16)\n"
+        "project(robot LANGUAGES C)\n"
+        "include(FetchContent)\n"
+        f"FetchContent_Declare(ipc SOURCE_DIR {ROOT})\n"
+        "FetchContent_MakeAvailable(ipc)\n"
+        f"add_executable(consumer {consumer})\n"
+        "target_link_libraries(consumer PRIVATE ipc::ipc)\n")
+    run("cmake", "-S", tmp_path, "-B", tmp_path / "out")
+    run("cmake", "--build", tmp_path / "out", "--target", "consumer", "--parallel", "2")
+    assert run(tmp_path / "out/consumer") == '{1, "two"}\n'

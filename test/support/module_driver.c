@@ -567,6 +567,23 @@ static void command_publish_data(char **words, int count)
     print_result(IPC_publishData(words[1], value_of(words + 2, count - 2, &value, items)));
 }
 
+/* publish_text MESSAGE TEXT: the value that the text, as IPC_printData() writes it, describes. */
+static void command_publish_text(char **words, int count)
+{
+    FORMATTER_PTR formatter = IPC_msgFormatter(words[1]);
+    FILE *stream = fmemopen(words[2], strlen(words[2]), "r");
+    void *data = NULL;
+    IPC_RETURN_TYPE result = IPC_readData(formatter, stream, &data);
+    (void)count;
+
+    if (result == IPC_OK) {
+        result = IPC_publishData(words[1], data);
+        IPC_freeData(formatter, data);
+    }
+    fclose(stream);
+    print_result(result);
+}
+
 /* burst MESSAGE COUNT SIZE PUBLISHER [FIRST]: numbered messages as fast as they go. */
 static void command_burst(char **words, int count)
 {
@@ -897,6 +914,7 @@ static const struct command {
     {"publish_bytes", 2, command_publish_bytes},
     {"publish_data", 3, command_publish_data},
     {"publish_fixed", 3, command_publish_fixed},
+    {"publish_text", 3, command_publish_text},
     {"query", 3, command_query},
     {"query_data", 6, command_query_data},
     {"quit", 1, command_quit},

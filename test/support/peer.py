@@ -71,6 +71,7 @@ class Peer:
         self.replies = {}
         self.deliveries = collections.deque()
         self.look_up_id = None
+        self.central_order = None  # the byte order in which central writes
         self.known = {}
         self.references = itertools.count(1)
         self.version = None
@@ -177,7 +178,9 @@ class Peer:
         """The 137 bytes with which central begins; returns the two formats they hold."""
         self.look_up_id = struct.unpack(">i", self.read_raw(4))[0]
         self.known[LOOK_UP] = self.look_up_id
-        return [codec.decode("format", self.read_frame().data) for _ in range(2)]
+        frames = [self.read_frame() for _ in range(2)]
+        self.central_order = frames[0].order
+        return [codec.decode("format", frame.data, frame.order) for frame in frames]
 
     def next_reference(self):
         return next(self.references)

@@ -113,7 +113,8 @@ def test_central_keeps_class_and_data_order_of_a_publication(order, nibble, join
     sender.define("M")
     sender.publish_number("M", 0x12345678)
     frame = receiver.next_delivery().frame
-    assert (frame.cls, frame.order, frame.class_order) == (BROADCAST, nibble, "<")
+    assert (frame.cls, frame.order, frame.class_order) == (
+        BROADCAST, nibble, receiver.central_order)
     assert frame.data == struct.pack(order + "iii", 4, 4, 0x12345678)
     assert frame.message_name() == "M"
 
@@ -134,7 +135,7 @@ def test_replies_of_central_have_parent_0_dispatch_0_and_class_0(join):
     peer = join("M")
     frame = peer.await_reply(peer.start_look_up("x_ipc_waitMsg"))
     assert (frame.cls, frame.parent, frame.dispatch, frame.intent) == (0, 0, 0, -4)
-    assert frame.class_data == b"" and frame.order == "<"
+    assert frame.class_data == b"" and frame.order == peer.central_order
 
 
 def test_central_accepts_any_filler_after_an_empty_string(join):
@@ -183,11 +184,11 @@ def test_central_sends_its_prelude_without_waiting(unix, central):
         raw = peer.read_raw(137)
         number = struct.unpack(">i", raw[:4])[0]
         assert number >= 2
-        header = struct.pack(">7i", 0, 24, 0, 0, 0x22000000, 0, 0)
-        assert raw[4:32] == header
-        assert codec.decode("format", raw[32:56]) == codec.parse("{string, string}")
-        assert raw[56:84] == struct.pack(">7i", 0, 53, 0, 0, 0x22000000, 0, 0)
-        assert codec.decode("format", raw[84:137]) == codec.parse(messages.MESSAGE_INFO)
+        order, word = {0x22: ("<", 0x22000000), 0x11: (">", 0x11000000)}[raw[20]]
+        assert raw[4:32] == struct.pack(">7i", 0, 24, 0, 0, word, 0, 0)
+        assert codec.decode("format", raw[32:56], order) == codec.parse("{string, string}")
+        assert raw[56:84] == struct.pack(">7i", 0, 53, 0, 0, word, 0, 0)
+        assert codec.decode("format", raw[84:137], order) == codec.parse(messages.MESSAGE_INFO)
         with pytest.raises(TimedOut):
             peer.read_frame(0.05)
 

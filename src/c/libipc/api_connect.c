@@ -91,7 +91,7 @@ static void add_fd(void *connections_pointer, int fd)
 {
     struct connections *connections = connections_pointer;
     if (fd >= 0 && fd < FD_SETSIZE) {
-        FD_SET(fd, &connections->set);
+        FD_SET((unsigned)fd, &connections->set); /* a macro that shifts by it, to some systems */
     }
     if (fd > connections->library->max_fd) {
         connections->library->max_fd = fd;

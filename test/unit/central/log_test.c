@@ -237,7 +237,8 @@ static void raw_empty_and_bad_data(void **state)
     peer_frame(&robot.planner, &frame, CLASS_BROADCAST,
                message_find(&robot.station.server.messages, "Empty")->id);
     peer_send(&robot.planner, &frame);
-    peer_publish(&robot.planner, "Raw", 0x61020100);
+    peer_publish(&robot.planner, "Raw",
+                 byte_order_of_host() == ORDER_LITTLE ? 0x61020100 : 0x00010261);
     peer_publish(&robot.planner, "Bad", 1);
     assert_string_equal(station_log(&robot.station),
                         "Broadcast             Fix:    Planner --> Arm             (Sent)\n"

@@ -46,12 +46,13 @@ static void *build(const struct format *format, const struct json *json)
 
 static void for_each_case(void (*check)(const struct recorded *recorded))
 {
-    if (!vectors_fit_host())
-        skip();
     const struct json *cases = json_get(vectors, "cases");
-    assert_true(cases->length >= 312);
+    size_t n_checked = 0;
     for (size_t i = 0; i < cases->length; i++) {
         struct recorded recorded = {.entry = cases->parts[i]};
+        if (!vectors_bytes_fit_host(recorded.entry))
+            continue;
+        n_checked++;
         recorded.name = json_get(recorded.entry, "name")->text;
         recorded.format = vectors_format(recorded.entry);
         recorded.value = build(recorded.format, json_get(recorded.entry, "value"));
@@ -59,6 +60,7 @@ static void for_each_case(void (*check)(const struct recorded *recorded))
         value_free(recorded.format, recorded.value);
         format_unref(recorded.format);
     }
+    assert_true(n_checked >= (sizeof(long) == 8 ? 312 : 260));
 }
 
 /* The recorded bytes, or those encoded when only their digest is recorded. */
@@ -268,6 +270,8 @@ static void check_size(const struct recorded *recorded)
 static void every_format_has_the_recorded_size_and_simplicity(void **state)
 {
     (void)state;
+    if (!vectors_fit_host())
+        skip();
     for_each_case(check_size);
 }
 
@@ -290,6 +294,8 @@ static void check_structures(const struct recorded *recorded)
 static void every_structure_inside_has_the_recorded_layout(void **state)
 {
     (void)state;
+    if (!vectors_fit_host())
+        skip();
     for_each_case(check_structures);
 }
 

@@ -81,8 +81,6 @@ static bool try_to_decode(const struct format *format, const uint8_t *bytes, siz
 static void damaged_content_never_crashes(void **state)
 {
     (void)state;
-    if (!vectors_fit_host())
-        skip();
     struct json *vectors = json_read_vectors("cases.json");
     const struct json *list = json_get(vectors, "cases");
     uint32_t random = 20240229;
@@ -90,7 +88,7 @@ static void damaged_content_never_crashes(void **state)
     for (size_t i = 0; i < list->length; i++) {
         const struct json *entry = list->parts[i];
         const struct json *hex = json_find(json_get(entry, "little_endian"), "hex");
-        if (hex == NULL || hex->length / 2 > LARGEST_CASE)
+        if (hex == NULL || hex->length / 2 > LARGEST_CASE || !vectors_bytes_fit_host(entry))
             continue;
         size_t length;
         uint8_t *content = json_bytes(hex, &length);

@@ -227,8 +227,6 @@ static bool is_faithful(const char *format, const char *text)
 static void recorded_values_read_back_from_their_printed_text(void **state)
 {
     (void)state;
-    if (!vectors_fit_host())
-        skip();
     struct json *vectors = json_read_vectors("cases.json");
     const struct json *list = json_get(vectors, "cases");
     int n_read = 0;
@@ -241,7 +239,8 @@ static void recorded_values_read_back_from_their_printed_text(void **state)
         const struct json *json = json_find(entry, "value_after");
         if (json == NULL)
             json = json_get(entry, "value");
-        if (is_faithful(canonical, text) && format_size(format) > 0) {
+        if (vectors_bytes_fit_host(entry) && is_faithful(canonical, text) &&
+            format_size(format) > 0) {
             void *expected = value_build(format, json);
             void *value = malloc(format_size(format));
             if (read_text(format, text, value) != 0 || !value_same(format, value, expected))

@@ -4,10 +4,22 @@
 #include "vectors.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 bool vectors_fit_host(void)
 {
     return sizeof(long) == 8 && sizeof(void *) == 8;
+}
+
+bool vectors_bytes_fit_host(const struct json *entry)
+{
+    const struct json *names = json_find(entry, "named_formats");
+    if (sizeof(long) == 8)
+        return true;
+    for (size_t i = 0; names != NULL && i < names->length; i++)
+        if (strstr(names->parts[i]->parts[1]->text, "long") != NULL)
+            return false;
+    return strstr(json_get(entry, "format")->text, "long") == NULL;
 }
 
 struct format_names *vectors_names(const struct json *entry)

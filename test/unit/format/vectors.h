@@ -10,8 +10,11 @@
 #include "format/names.h"
 #include "json.h"
 
-/* Whether this host is of the kind that the vectors were recorded on. */
+/* Whether C values have the sizes here that they had where the vectors were recorded. */
 bool vectors_fit_host(void);
+
+/* Whether the bytes of an entry are the same here: they are unless it has a long of another size. */
+bool vectors_bytes_fit_host(const struct json *entry);
 
 /* The named formats of an entry, NULL if it has none; the caller frees them. */
 struct format_names *vectors_names(const struct json *entry);

@@ -505,7 +505,8 @@ static ssize_t send_slices(int fd, const struct net_slice *slices, size_t n_slic
     }
     struct iovec parts[MAX_SLICES];
     struct msghdr message;
-    const size_t n = n_slices < MAX_SLICES ? n_slices : MAX_SLICES;
+    /* 16 bits, since msg_iovlen is a size_t to some systems and an int to others. */
+    const uint16_t n = (uint16_t)(n_slices < MAX_SLICES ? n_slices : MAX_SLICES);
     for (size_t i = 0; i < n; i++) {
         /* sendmsg does not write through the pointer, whatever iovec's type says. */
         parts[i].iov_base = (void *)(uintptr_t)slices[i].bytes;

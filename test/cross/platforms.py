@@ -1,0 +1,103 @@
+"""Other machines: what builds for them here, what runs their programs, and what is missing for it."""
+import dataclasses
+import os
+import shutil
+import subprocess
+
+from support.driver import FLAGS, SOURCE
+from support.waiting import SLOW
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+INCLUDES = [f"-I{os.path.join(ROOT, 'include', folder)}" for folder in ("ipc", "")]
+BUILD_SECONDS = 600 * SLOW
+
+
+class Missing(Exception):
+    """Why there can be no program for a platform, or none can run."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Platform:
+    """A kind of machine, or of C library; see cmake/toolchains."""
+
+    name: str
+    toolchain: str
+    compiler: str
+    order: str
+    long_size: int
+    runner: tuple = ()  # the command before a program
+    link: tuple = ()    # what the linker is told besides
+
+    def check(self):
+        """Raises Missing with the reason."""
+        if shutil.which(self.compiler) is None:
+            raise Missing(f"no {self.compiler}")
+        if self.runner and shutil.which(self.runner[0]) is None:
+            raise Missing(f"no {self.runner[0]}")
+
+
+def _debian(name, triple, order, long_size, *runner):
+    return Platform(name, triple, f"{triple}-gcc", order, long_size, runner)
+
+
+PLATFORMS = {platform.name: platform for platform in (
+    _debian("s390x", "s390x-linux-gnu", ">", 8, "qemu-s390x", "-L", "/usr/s390x-linux-gnu"),
+    _debian("powerpc", "powerpc-linux-gnu", ">", 4, "qemu-ppc", "-L", "/usr/powerpc-linux-gnu"),
+    _debian("i686", "i686-linux-gnu", "<", 4, "/usr/i686-linux-gnu/lib/ld-linux.so.2",
+            "--library-path", "/usr/i686-linux-gnu/lib"),
+    Platform("musl", "musl", "musl-gcc", "<", 8, link=("-static",)))}
+
+
+class Machine:
+    """The project, built for a platform; its programs can be started like those of this machine."""
+
+    def __init__(self, platform, directory):
+        self.platform, self.directory = platform, directory
+        self.order, self.long_size = platform.order, platform.long_size
+        platform.check()
+        os.makedirs(directory, exist_ok=True)
+        self._run("cmake", "-S", ROOT, "-B", directory, "-DIPC_BUILD_TESTS=ON",
+                  "-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DIPC_WERROR=ON",
+                  f"-DCMAKE_TOOLCHAIN_FILE={ROOT}/cmake/toolchains/{platform.toolchain}.cmake")
+        self._run("cmake", "--build", directory, "--parallel", "2")
+        self.central = self._program("central", os.path.join(directory, "src/c/central/central"))
+        self._check_that_programs_run()
+        self.driver = self._program("driver", self._build_driver())
+
+    @staticmethod
+    def _run(*command):
+        done = subprocess.run(command, capture_output=True, text=True, timeout=BUILD_SECONDS,
+                              stdin=subprocess.DEVNULL, check=False)
+        assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout[-3000:]}\n{done.stderr}"
+
+    def _check_that_programs_run(self):
+        try:
+            done = subprocess.run([self.central, "-v"], capture_output=True, text=True,
+                                  timeout=60 * SLOW, stdin=subprocess.DEVNULL, check=False)
+        except OSError as error:
+            raise Missing(f"its programs do not run here: {error}") from None
+        if "Task Control Server" not in done.stdout + done.stderr:
+            raise Missing(f"its programs do not run here: {done.stderr.strip()}")
+
+    def _build_driver(self):
+        program = os.path.join(self.directory, "module_driver")
+        library = os.path.join(self.directory, "src/c/libipc")
+        self._run(self.platform.compiler, "-g", "-o", program, SOURCE, *FLAGS, *INCLUDES,
+                  f"-L{library}", f"-Wl,-rpath,{library}", "-lipc", *self.platform.link, "-lpthread")
+        return program
+
+    def _program(self, name, path):
+        """A command of one word that runs the program and becomes it."""
+        command = os.path.join(self.directory, f"run-{name}")
+        with open(command, "w", encoding="utf-8") as script:
+            script.write(f'#!/bin/sh\nexec {" ".join((*self.platform.runner, path))} "$@"\n')
+        os.chmod(command, 0o755)
+        return command
+
+    def unit_tests(self, *selection):
+        """Runs the unit tests that the options of ctest select; returns status and output."""
+        done = subprocess.run(
+            ["ctest", "--test-dir", self.directory, "--output-on-failure", "--no-tests=error",
+             *selection], capture_output=True, text=True, timeout=BUILD_SECONDS,
+            stdin=subprocess.DEVNULL, check=False)
+        return done.returncode, done.stdout + done.stderr
