@@ -58,8 +58,9 @@ static void stdinHnd(int fd, void *clientData)
     char line[81];
 
     (void)fd;
-    if (fgets(line, sizeof(line), stdin) == NULL)
+    if (fgets(line, sizeof(line), stdin) == NULL) {
         quit();
+    }
     switch (line[0]) {
     case 'q':
     case 'Q':

@@ -59,8 +59,9 @@ static void stdinHnd(int fd, void *clientData)
     char line[81];
 
     (void)fd;
-    if (fgets(line, sizeof(line), stdin) == NULL || line[0] == 'q' || line[0] == 'Q')
+    if (fgets(line, sizeof(line), stdin) == NULL || line[0] == 'q' || line[0] == 'Q') {
         quit();
+    }
     printf("stdinHnd [%s]: Received %s", (char *)clientData, line);
 }
 

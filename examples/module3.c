@@ -57,8 +57,9 @@ static void queryHandler(MSG_INSTANCE msgInstance, void *callData, void *clientD
     struct pending_query *query = malloc(sizeof(*query));
     TIMER_REF timer;
 
-    if (query == NULL)
+    if (query == NULL) {
         abort();
+    }
     query->instance = msgInstance;
     query->data = callData;
     query->formatter = IPC_msgInstanceFormatter(msgInstance);
@@ -94,8 +95,9 @@ static void stdinHnd(int fd, void *clientData)
     char line[81];
 
     (void)fd;
-    if (fgets(line, sizeof(line), stdin) == NULL || line[0] == 'q' || line[0] == 'Q')
+    if (fgets(line, sizeof(line), stdin) == NULL || line[0] == 'q' || line[0] == 'Q') {
         quit();
+    }
     printf("stdinHnd [%s]: Received %s", (char *)clientData, line);
 }
 

@@ -45,9 +45,10 @@ static char *format_message(const char *format, va_list arguments)
 static struct diagnostic *add(struct diagnostics *all, enum severity severity,
                               const struct place *place, size_t width)
 {
-    if ((all->count & (all->count - 1)) == 0) /* full whenever a power of two is reached */
+    if ((all->count & (all->count - 1)) == 0) { /* full whenever a power of two is reached */
         all->items =
             mem_resize(all->items, all->count == 0 ? 1 : 2 * all->count, sizeof *all->items);
+    }
     struct diagnostic *item = &all->items[all->count];
     *item = (struct diagnostic){.severity = severity,
                                 .place = *place,
@@ -109,8 +110,9 @@ static int compare(const void *left, const void *right)
 {
     const struct diagnostic *a = left;
     const struct diagnostic *b = right;
-    if (a->anchor != b->anchor)
+    if (a->anchor != b->anchor) {
         return a->anchor < b->anchor ? -1 : 1;
+    }
     return a->number < b->number ? -1 : a->number > b->number;
 }
 
@@ -142,14 +144,17 @@ static void print_excerpt(const struct diagnostic *item, const struct source *so
         line.length -= mark - EXCERPT_BEFORE;
         mark = EXCERPT_BEFORE;
     }
-    if (line.length > EXCERPT_WIDTH)
+    if (line.length > EXCERPT_WIDTH) {
         line.length = EXCERPT_WIDTH;
+    }
     (void)fputs("    ", stream);
-    for (size_t i = 0; i < line.length; i++)
+    for (size_t i = 0; i < line.length; i++) {
         (void)fputc(is_printable(line.bytes[i]) ? line.bytes[i] : ' ', stream);
+    }
     (void)fprintf(stream, "\n    %*s^", (int)mark, "");
-    for (size_t i = 1; i < item->width && mark + i < line.length; i++)
+    for (size_t i = 1; i < item->width && mark + i < line.length; i++) {
         (void)fputc('~', stream);
+    }
     (void)fputc('\n', stream);
 }
 
@@ -157,10 +162,12 @@ static void print_one(const struct diagnostic *item, const struct source *source
 {
     const struct origin *origin = source_origin(source, &item->place);
     const char *file = origin->name;
-    if (item->severity != SEVERITY_NOTE)
+    if (item->severity != SEVERITY_NOTE) {
         print_trace(source, origin, stream);
-    if (item->classic != NULL)
+    }
+    if (item->classic != NULL) {
         (void)fprintf(stream, "%s:%zu: %s\n", file, item->place.line, item->classic);
+    }
     (void)fprintf(stream, "%s:%zu:%zu: %s: %s\n", file, item->place.line, item->place.column,
                   severity_names[item->severity], item->message);
     print_excerpt(item, source, stream);
@@ -168,9 +175,11 @@ static void print_one(const struct diagnostic *item, const struct source *source
 
 void diagnostics_print(struct diagnostics *diagnostics, const struct source *source, FILE *stream)
 {
-    if (diagnostics->count == 0)
+    if (diagnostics->count == 0) {
         return;
+    }
     qsort(diagnostics->items, diagnostics->count, sizeof *diagnostics->items, compare);
-    for (size_t i = 0; i < diagnostics->count; i++)
+    for (size_t i = 0; i < diagnostics->count; i++) {
         print_one(&diagnostics->items[i], source, stream);
+    }
 }

@@ -18,10 +18,12 @@ const char *emit_type_word(enum type_kind kind)
 
 void emit_fixed_dimensions(struct output *output, const struct declaration *declaration)
 {
-    if (declaration->array != ARRAY_FIXED)
+    if (declaration->array != ARRAY_FIXED) {
         return;
-    for (size_t i = 0; i < declaration->dimensions.count; i++)
+    }
+    for (size_t i = 0; i < declaration->dimensions.count; i++) {
         output_print(output, "[%lld]", (long long)declaration->dimensions.items[i].value);
+    }
 }
 
 void emit_comment_name(struct output *output, struct text path)
@@ -44,8 +46,9 @@ void emit_identifier(struct output *output, struct text name)
 void emit_formats(const struct tree *tree, struct output *output)
 {
     for (const struct definition *each = tree->first; each != NULL; each = each->next) {
-        if (each->kind != DEFINITION_TYPE)
+        if (each->kind != DEFINITION_TYPE) {
             continue;
+        }
         output_text(output, each->name);
         output_string(output, ": \"");
         output_string(output, each->expansion != NULL ? each->expansion : "(too long)");

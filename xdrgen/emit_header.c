@@ -44,16 +44,18 @@ static void write_back_reference(const struct header *header)
 static void write_code(const struct header *header, const struct code *code)
 {
     struct output *output = header->output;
-    if (code->text.bytes == NULL)
+    if (code->text.bytes == NULL) {
         return;
+    }
     if (header->options->directives != DIRECTIVES_NONE) {
         output_print(output, "#line %zu ", code->place.line);
         output_quoted(output, text_of(source_origin(header->options->source, &code->place)->name));
     }
     output_string(output, "\n");
     output_text(output, code->text);
-    if (code->text.length > 0 && code->text.bytes[code->text.length - 1] != '\n')
+    if (code->text.length > 0 && code->text.bytes[code->text.length - 1] != '\n') {
         output_string(output, "\n");
+    }
     write_back_reference(header);
 }
 
@@ -88,8 +90,9 @@ static void write_field(const struct header *header, const struct declaration *f
 
 static void write_fields(const struct header *header, const struct record *record, size_t level)
 {
-    for (size_t i = 0; i < record->n_fields; i++)
+    for (size_t i = 0; i < record->n_fields; i++) {
         write_field(header, record->fields[i], level);
+    }
 }
 
 static void write_enumerators(struct output *output, const struct enumeration *enumeration,
@@ -99,8 +102,9 @@ static void write_enumerators(struct output *output, const struct enumeration *e
         const struct enumerator *item = &enumeration->items[i];
         output_indent(output, level);
         output_text(output, item->name);
-        if (item->has_value)
+        if (item->has_value) {
             output_print(output, " = %lld", (long long)item->value);
+        }
         output_string(output, i + 1 < enumeration->count ? ",\n" : "\n");
     }
 }
@@ -135,10 +139,12 @@ static void write_type(const struct header *header, const struct type *type, siz
 static void write_declarator(struct output *output, const struct declaration *declaration)
 {
     output_string(output, " ");
-    if (declaration->type.kind == TYPE_STRING)
+    if (declaration->type.kind == TYPE_STRING) {
         output_string(output, "*");
-    if (declaration->array == ARRAY_VARIABLE)
+    }
+    if (declaration->array == ARRAY_VARIABLE) {
         output_string(output, "*");
+    }
     output_text(output, declaration->name);
     emit_fixed_dimensions(output, declaration);
     output_string(output, ";\n");
@@ -215,18 +221,19 @@ static void write_definition(const struct header *header, const struct definitio
 {
     const bool is_cxx = header->options->language == LANGUAGE_CXX;
     const struct declaration *declaration = definition->declaration;
-    if (definition->kind == DEFINITION_CODE)
+    if (definition->kind == DEFINITION_CODE) {
         write_code(header, &definition->code);
-    else if (definition->kind == DEFINITION_FORMAT)
+    } else if (definition->kind == DEFINITION_FORMAT) {
         return;
-    else if (is_cxx && definition_is_record(definition))
+    } else if (is_cxx && definition_is_record(definition)) {
         write_cxx_struct(header, declaration);
-    else if (is_cxx && definition_is_enum(definition))
+    } else if (is_cxx && definition_is_enum(definition)) {
         write_cxx_enum(header, declaration);
-    else if (declaration->type.kind == TYPE_RECORD || declaration->type.kind == TYPE_ENUM)
+    } else if (declaration->type.kind == TYPE_RECORD || declaration->type.kind == TYPE_ENUM) {
         write_c_body(header, declaration);
-    else
+    } else {
         write_plain_typedef(header, declaration);
+    }
 }
 
 /* ------------------------------------------------------------------ registration */
@@ -235,9 +242,11 @@ static void write_definition(const struct header *header, const struct definitio
 static struct text stem(struct text path)
 {
     struct text name = text_base_name(path);
-    for (size_t i = 0; i < name.length; i++)
-        if (name.bytes[i] == '.')
+    for (size_t i = 0; i < name.length; i++) {
+        if (name.bytes[i] == '.') {
             name.length = i;
+        }
+    }
     return name;
 }
 
@@ -253,8 +262,9 @@ static void write_registration(const struct header *header, const struct tree *t
     emit_identifier(output, stem(header->options->input_name));
     output_string(output, "(void)\n{\n");
     for (const struct definition *each = tree->first; each != NULL; each = each->next) {
-        if (each->kind != DEFINITION_TYPE)
+        if (each->kind != DEFINITION_TYPE) {
             continue;
+        }
         output_string(output, "  if (IPC_defineFormat(\"");
         output_text(output, each->name);
         output_string(output, "\", ");
@@ -283,15 +293,17 @@ static void write_beginning(const struct header *header)
     output_string(output, "\n#define ");
     write_guard(header);
     output_string(output, "\n\n");
-    if (header->options->language == LANGUAGE_C)
+    if (header->options->language == LANGUAGE_C) {
         output_string(output, bool_block);
+    }
 }
 
 /* A line by which gcc notes that a file begins (1) or that it returns to one (2). */
 static void write_gcc_marker(const struct header *header, int number)
 {
-    if (header->options->directives != DIRECTIVES_GCC)
+    if (header->options->directives != DIRECTIVES_GCC) {
         return;
+    }
     output_print(header->output, "# %d ", number);
     output_quoted(header->output, header->options->output_name);
     output_print(header->output, " %d\n", number);
@@ -302,10 +314,12 @@ void emit_header(const struct tree *tree, const struct emit_options *options, st
     const struct header header = {options, output};
     write_gcc_marker(&header, 1);
     write_beginning(&header);
-    for (const struct definition *each = tree->first; each != NULL; each = each->next)
+    for (const struct definition *each = tree->first; each != NULL; each = each->next) {
         write_definition(&header, each);
-    if (options->registers)
+    }
+    if (options->registers) {
         write_registration(&header, tree);
+    }
     output_string(output, "\n#endif /* ");
     write_guard(&header);
     output_string(output, " */\n");

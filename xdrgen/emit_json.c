@@ -87,10 +87,11 @@ static void write_numbers(struct json *json, const struct dimensions *dimensions
     output_string(json->output, "[");
     for (size_t i = 0; i < dimensions->count; i++) {
         output_string(json->output, i == 0 ? "" : ", ");
-        if (dimensions->items[i].has_value)
+        if (dimensions->items[i].has_value) {
             output_print(json->output, "%lld", (long long)dimensions->items[i].value);
-        else
+        } else {
             output_string(json->output, "null");
+        }
     }
     output_string(json->output, "]");
 }
@@ -110,8 +111,9 @@ static void write_sizes(struct json *json, const struct record *record, size_t p
 
 static void write_array(struct json *json, const struct declaration *declaration)
 {
-    if (declaration->array == ARRAY_NONE)
+    if (declaration->array == ARRAY_NONE) {
         return;
+    }
     write_key(json, declaration->array == ARRAY_FIXED ? "dimensions" : "limits");
     write_numbers(json, &declaration->dimensions);
 }
@@ -127,8 +129,9 @@ static void write_record(struct json *json, const struct record *record)
         write_string(json, "name", field->name);
         write_type(json, &field->type);
         write_array(json, field);
-        if (field->array == ARRAY_VARIABLE)
+        if (field->array == ARRAY_VARIABLE) {
             write_sizes(json, record, i);
+        }
         close(json, "}");
     }
     close(json, "]");
@@ -137,10 +140,11 @@ static void write_record(struct json *json, const struct record *record)
 static void write_type(struct json *json, const struct type *type)
 {
     write_string(json, "type", type->kind == TYPE_NAMED ? type->name : text_of(kind_of(type)));
-    if (type->kind == TYPE_RECORD)
+    if (type->kind == TYPE_RECORD) {
         write_record(json, type->record);
-    else if (type->kind == TYPE_ENUM)
+    } else if (type->kind == TYPE_ENUM) {
         write_enumeration(json, type->enumeration);
+    }
 }
 
 /* ------------------------------------------------------------------- definitions */
@@ -148,10 +152,11 @@ static void write_type(struct json *json, const struct type *type)
 static void write_format(struct json *json, const char *expansion)
 {
     write_key(json, "format");
-    if (expansion == NULL)
+    if (expansion == NULL) {
         output_string(json->output, "null");
-    else
+    } else {
         output_json(json->output, text_of(expansion));
+    }
 }
 
 static void write_definition(struct json *json, const struct definition *definition)
@@ -180,9 +185,11 @@ void emit_json(const struct tree *tree, const struct emit_options *options, stru
     write_string(&json, "source", text_base_name(options->input_name));
     write_key(&json, "types");
     open(&json, "[");
-    for (const struct definition *each = tree->first; each != NULL; each = each->next)
-        if (each->kind != DEFINITION_CODE)
+    for (const struct definition *each = tree->first; each != NULL; each = each->next) {
+        if (each->kind != DEFINITION_CODE) {
             write_definition(&json, each);
+        }
+    }
     close(&json, "]");
     close(&json, "}");
     output_string(output, "\n");

@@ -49,9 +49,11 @@ static const char *const used[][10] = {
 
 static bool is_among(const char *const *words, struct text name)
 {
-    for (; *words != NULL; words++)
-        if (text_equal(name, text_of(*words)))
+    for (; *words != NULL; words++) {
+        if (text_equal(name, text_of(*words))) {
             return true;
+        }
+    }
     return false;
 }
 
@@ -64,11 +66,13 @@ static bool is_special(struct text name)
 
 static void write_name(struct output *output, struct text name, enum scope scope)
 {
-    if (name.length > 1 && name.bytes[0] == '_' && name.bytes[1] == '_')
+    if (name.length > 1 && name.bytes[0] == '_' && name.bytes[1] == '_') {
         output_string(output, "x");
+    }
     output_text(output, name);
-    if (is_among(keywords, name) || is_among(used[scope], name) || is_special(name))
+    if (is_among(keywords, name) || is_among(used[scope], name) || is_special(name)) {
         output_string(output, "_");
+    }
 }
 
 /* The name of a definition as a string; the caller frees it. */
@@ -91,8 +95,9 @@ static char *make_up_name(struct python *python, const char *parent, struct text
     name[length] = '_';
     memcpy(name + length + 1, field.bytes, field.length);
     size_t end = length + 1 + field.length;
-    while (table_find(&python->names, name) != NULL)
+    while (table_find(&python->names, name) != NULL) {
         name[end++] = '_';
+    }
     (void)table_put(&python->names, name, python);
     return name;
 }
@@ -142,25 +147,28 @@ static const char *scalar_class(enum type_kind kind)
 static void write_element_class(struct output *output, const struct view *view)
 {
     const struct type *type = &view->declaration->type;
-    if (type->kind == TYPE_NAMED && type->target != NULL && type->target->kind == DEFINITION_TYPE)
+    if (type->kind == TYPE_NAMED && type->target != NULL && type->target->kind == DEFINITION_TYPE) {
         write_name(output, type->name, SCOPE_MODULE);
-    else if (type->kind == TYPE_NAMED)
+    } else if (type->kind == TYPE_NAMED) {
         output_string(output, "Any");
-    else if (view->class_name != NULL)
+    } else if (view->class_name != NULL) {
         output_string(output, view->class_name);
-    else
+    } else {
         output_string(output, scalar_class(type->kind));
+    }
 }
 
 static void write_class(struct output *output, const struct view *view)
 {
     const struct declaration *declaration = view->declaration;
     const size_t levels = declaration->array == ARRAY_NONE ? 0 : declaration->dimensions.count;
-    for (size_t i = 0; i < levels; i++)
+    for (size_t i = 0; i < levels; i++) {
         output_string(output, "List[");
+    }
     write_element_class(output, view);
-    for (size_t i = 0; i < levels; i++)
+    for (size_t i = 0; i < levels; i++) {
         output_string(output, "]");
+    }
 }
 
 /* The first value of a type that is neither structure nor enum. */
@@ -219,11 +227,13 @@ static void write_value(struct output *output, const struct view *view)
         output_string(output, "[]");
         return;
     }
-    for (size_t i = 0; i < dimensions->count; i++)
+    for (size_t i = 0; i < dimensions->count; i++) {
         output_string(output, "[");
+    }
     write_element_value(output, view);
-    for (size_t i = dimensions->count; i > 0; i--)
+    for (size_t i = dimensions->count; i > 0; i--) {
         output_print(output, " for _ in range(%lld)]", (long long)dimensions->items[i - 1].value);
+    }
 }
 
 /* ----------------------------------------------------------------------- classes */
@@ -250,12 +260,14 @@ static struct view view_field(struct python *python, const struct declaration *f
                               const char *parent)
 {
     struct view view = {field, declaration_meaning(field), NULL};
-    if (field->type.kind == TYPE_RECORD || field->type.kind == TYPE_ENUM)
+    if (field->type.kind == TYPE_RECORD || field->type.kind == TYPE_ENUM) {
         view.class_name = make_up_name(python, parent, field->name);
-    if (field->type.kind == TYPE_RECORD)
+    }
+    if (field->type.kind == TYPE_RECORD) {
         write_record(python, view.class_name, field->type.record, (struct text){NULL, 0});
-    else if (field->type.kind == TYPE_ENUM)
+    } else if (field->type.kind == TYPE_ENUM) {
         write_enumeration(python, view.class_name, field->type.enumeration);
+    }
     return view;
 }
 
@@ -310,8 +322,9 @@ static void write_record(struct python *python, const char *name, const struct r
 {
     struct output *output = python->output;
     struct view *views = mem_new((record->n_fields + 1) * sizeof *views);
-    for (size_t i = 0; i < record->n_fields; i++)
+    for (size_t i = 0; i < record->n_fields; i++) {
         views[i] = view_field(python, record->fields[i], name);
+    }
     output_string(output, "\n\n@dataclass\nclass ");
     output_string(output, name);
     output_string(output, ":\n");
@@ -338,8 +351,9 @@ static void write_alias(struct python *python, const char *name, const struct de
     struct view view = view_field(python, &item, name);
     view.declaration = alias;
     view.meaning = declaration_meaning(alias);
-    if (view.class_name != NULL)
+    if (view.class_name != NULL) {
         output_string(output, "\n\n");
+    }
     output_string(output, name);
     output_string(output, " = ");
     write_class(output, &view);
@@ -366,12 +380,13 @@ static void write_definition(struct python *python, const struct definition *def
     const struct declaration *declaration = definition->declaration;
     char *name = name_of(definition->name);
     write_format(python, declaration);
-    if (definition_is_record(definition))
+    if (definition_is_record(definition)) {
         write_record(python, name, declaration->type.record, declaration->name);
-    else if (definition_is_enum(definition))
+    } else if (definition_is_enum(definition)) {
         write_enumeration(python, name, declaration->type.enumeration);
-    else
+    } else {
         write_alias(python, name, declaration);
+    }
     output_string(python->output, definition_is_record(definition) || definition_is_enum(definition)
                                       ? "\n\n"
                                       : "\n");
@@ -388,14 +403,17 @@ void emit_python(const struct tree *tree, const struct emit_options *options, st
                           "enum\nfrom dataclasses import dataclass, "
                           "field\nfrom typing import Any, ClassVar, List\n\n");
     for (const struct definition *each = tree->first; each != NULL; each = each->next) {
-        if (each->kind != DEFINITION_TYPE)
+        if (each->kind != DEFINITION_TYPE) {
             continue;
+        }
         char *name = name_of(each->name);
         (void)table_put(&python.names, name, &python);
         free(name);
     }
-    for (const struct definition *each = tree->first; each != NULL; each = each->next)
-        if (each->kind == DEFINITION_TYPE)
+    for (const struct definition *each = tree->first; each != NULL; each = each->next) {
+        if (each->kind == DEFINITION_TYPE) {
             write_definition(&python, each);
+        }
+    }
     table_fini(&python.names);
 }

@@ -36,8 +36,9 @@ static void write_record(struct output *output, const struct record *record,
 {
     output_string(output, "{");
     for (size_t i = 0; i < record->n_fields; i++) {
-        if (i > 0)
+        if (i > 0) {
             output_string(output, ",");
+        }
         write_declaration(output, record->fields[i], i + 1, write_name);
     }
     output_string(output, "}");
@@ -66,9 +67,10 @@ static void write_fixed_array(struct output *output, const struct declaration *d
 {
     output_string(output, "[");
     write_type(output, &declaration->type, write_name);
-    for (size_t i = 0; i < declaration->dimensions.count; i++)
+    for (size_t i = 0; i < declaration->dimensions.count; i++) {
         output_print(output, "%c%lld", i == 0 ? ':' : ',',
                      (long long)declaration->dimensions.items[i].value);
+    }
     output_string(output, "]");
 }
 
@@ -79,8 +81,9 @@ static void write_variable_array(struct output *output, const struct declaration
     const size_t count = declaration->dimensions.count;
     output_string(output, "<");
     write_type(output, &declaration->type, write_name);
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         output_print(output, "%c%zu", i == 0 ? ':' : ',', position - count + i);
+    }
     output_string(output, ">");
 }
 
@@ -111,23 +114,27 @@ void format_write(struct output *output, const struct declaration *declaration,
 static void write_expansion(struct output *output, const struct type *type)
 {
     const struct definition *target = type->target;
-    if (output->has_failed)
+    if (output->has_failed) {
         return;
-    if (target != NULL && target->kind == DEFINITION_TYPE && target->expansion == NULL)
+    }
+    if (target != NULL && target->kind == DEFINITION_TYPE && target->expansion == NULL) {
         output->has_failed = true;
-    else if (target == NULL || target->expansion == NULL)
+    } else if (target == NULL || target->expansion == NULL) {
         output_text(output, type->name);
-    else
+    } else {
         output_string(output, target->expansion);
-    if (output->text.length > LIMIT_FORMAT_TEXT)
+    }
+    if (output->text.length > LIMIT_FORMAT_TEXT) {
         output->has_failed = true;
+    }
 }
 
 /* A format given by ipc_type, unless it holds quotes, which splice macros into the header. */
 static char *expand_external(const struct definition *definition)
 {
-    if (definition->format == NULL || strchr(definition->format, '"') != NULL)
+    if (definition->format == NULL || strchr(definition->format, '"') != NULL) {
         return NULL;
+    }
     return mem_copy_string(definition->format);
 }
 
@@ -137,8 +144,9 @@ static char *expand_type(const struct definition *definition)
     char *expansion = NULL;
     output_init(&output);
     format_write(&output, definition->declaration, write_expansion);
-    if (!output.has_failed && output.text.length <= LIMIT_FORMAT_TEXT)
+    if (!output.has_failed && output.text.length <= LIMIT_FORMAT_TEXT) {
         expansion = mem_copy_text((const char *)output.text.bytes, output.text.length);
+    }
     output_fini(&output);
     return expansion;
 }
@@ -146,9 +154,10 @@ static char *expand_type(const struct definition *definition)
 void format_expand_all(struct tree *tree)
 {
     for (struct definition *each = tree->first; each != NULL; each = each->next) {
-        if (each->kind == DEFINITION_FORMAT)
+        if (each->kind == DEFINITION_FORMAT) {
             each->expansion = expand_external(each);
-        else if (each->kind == DEFINITION_TYPE)
+        } else if (each->kind == DEFINITION_TYPE) {
             each->expansion = expand_type(each);
+        }
     }
 }

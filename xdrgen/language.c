@@ -40,18 +40,22 @@ static const char *const words_cxx_later[] = {
 
 static bool is_among(const char *const *words, struct text word)
 {
-    for (; *words != NULL; words++)
-        if (text_equal(word, text_of(*words)))
+    for (; *words != NULL; words++) {
+        if (text_equal(word, text_of(*words))) {
             return true;
+        }
+    }
     return false;
 }
 
 enum reservation language_reserves(enum language language, struct text word)
 {
-    if (language != LANGUAGE_C && language != LANGUAGE_CXX)
+    if (language != LANGUAGE_C && language != LANGUAGE_CXX) {
         return RESERVED_NOT;
+    }
     const bool cxx = language == LANGUAGE_CXX;
-    if (is_among(cxx ? words_cxx : words_c, word))
+    if (is_among(cxx ? words_cxx : words_c, word)) {
         return RESERVED_ALWAYS;
+    }
     return is_among(cxx ? words_cxx_later : words_c_later, word) ? RESERVED_LATER : RESERVED_NOT;
 }

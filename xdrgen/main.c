@@ -50,20 +50,23 @@ static bool write_output(const char *path, const struct output *output)
     const char *name = path == NULL ? "<stdout>" : path;
     enum file_result result = FILE_NOT_WRITTEN;
     errno = ENOMEM;
-    if (!output->has_failed)
+    if (!output->has_failed) {
         result = file_write(path, output->text.bytes, output->text.length);
-    if (result == FILE_NOT_OPENED)
+    }
+    if (result == FILE_NOT_OPENED) {
         (void)fprintf(stderr, "xdrgen: couldn't open `%s' for writing: %s\n", name,
                       strerror(errno));
-    else if (result == FILE_NOT_WRITTEN)
+    } else if (result == FILE_NOT_WRITTEN) {
         (void)fprintf(stderr, "xdrgen: couldn't write `%s': %s\n", name, strerror(errno));
+    }
     return result == FILE_DONE;
 }
 
 static void announce(const struct options *options, const char *step, struct output *output)
 {
-    if (options->is_verbose)
+    if (options->is_verbose) {
         output_print(output, "\n--- %s\n", step);
+    }
 }
 
 static void write_language(const struct tree *tree, const struct source *source,
@@ -105,8 +108,9 @@ static void write_reports(const struct tree *tree, const struct options *options
         announce(options, "outputting IPC formats", output);
         emit_formats(tree, output);
     }
-    if (options->writes_header)
+    if (options->writes_header) {
         announce(options, "outputting C header", output);
+    }
 }
 
 static bool write_results(struct tree *tree, const struct source *source,
@@ -116,14 +120,17 @@ static bool write_results(struct tree *tree, const struct source *source,
     struct output header;
     output_init(&reports);
     output_init(&header);
-    if (options->prints_formats || options->language == LANGUAGE_JSON)
+    if (options->prints_formats || options->language == LANGUAGE_JSON) {
         format_expand_all(tree);
+    }
     write_reports(tree, options, &reports);
-    if (options->writes_header)
+    if (options->writes_header) {
         write_language(tree, source, options, &header);
+    }
     bool is_written = reports.text.length == 0 || write_output(NULL, &reports);
-    if (is_written && options->writes_header)
+    if (is_written && options->writes_header) {
         is_written = write_output(options->output, &header);
+    }
     output_fini(&header);
     output_fini(&reports);
     return is_written;
@@ -156,8 +163,9 @@ int main(int n_arguments, char **arguments)
     case OPTIONS_RUN:
         break;
     }
-    if (!read_input(&options, &source))
+    if (!read_input(&options, &source)) {
         return EXIT_FAILURE;
+    }
     const bool is_right = process(&source, &options);
     source_fini(&source);
     return is_right ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -63,18 +63,19 @@ static bool choose(const struct choice *choices, const char *word, int *value)
 /* An option that is either there or not. */
 static bool read_switch(struct options *options, const char *argument)
 {
-    if (strcmp(argument, "-v") == 0 || strcmp(argument, "--verbose") == 0)
+    if (strcmp(argument, "-v") == 0 || strcmp(argument, "--verbose") == 0) {
         options->is_verbose = true;
-    else if (strcmp(argument, "-n") == 0 || strcmp(argument, "--no-header") == 0)
+    } else if (strcmp(argument, "-n") == 0 || strcmp(argument, "--no-header") == 0) {
         options->writes_header = false;
-    else if (strcmp(argument, "--spec") == 0)
+    } else if (strcmp(argument, "--spec") == 0) {
         options->prints_specification = true;
-    else if (strcmp(argument, "--formats") == 0)
+    } else if (strcmp(argument, "--formats") == 0) {
         options->prints_formats = true;
-    else if (strcmp(argument, "--register") == 0)
+    } else if (strcmp(argument, "--register") == 0) {
         options->registers = true;
-    else
+    } else {
         return strncmp(argument, "-D", 2) == 0 || strncmp(argument, "-I", 2) == 0;
+    }
     return true;
 }
 
@@ -90,14 +91,16 @@ static enum options_result read_option(struct options *options, const char *argu
         return OPTIONS_DONE;
     }
     if (strncmp(argument, "--lang=", 7) == 0) {
-        if (!choose(languages, argument + 7, &value))
+        if (!choose(languages, argument + 7, &value)) {
             return complain("unknown language ", argument + 7, " specified");
+        }
         options->language = (enum language)value;
         return OPTIONS_RUN;
     }
     if (strncmp(argument, "--directives=", 13) == 0) {
-        if (!choose(directive_styles, argument + 13, &value))
+        if (!choose(directive_styles, argument + 13, &value)) {
             return complain("unknown --directives syntax ", argument + 13, "");
+        }
         options->directives = (enum directives)value;
         return OPTIONS_RUN;
     }
@@ -115,17 +118,20 @@ enum options_result options_read(struct options *options, int n_arguments, char 
         if (!are_operands && strcmp(argument, "--") == 0) {
             are_operands = true;
         } else if (are_operands || argument[0] != '-' || argument[1] == '\0') {
-            if (n_operands == 2)
+            if (n_operands == 2) {
                 return complain("too many arguments", "", "");
+            }
             operands[n_operands++] = argument;
         } else {
             const enum options_result result = read_option(options, argument);
-            if (result != OPTIONS_RUN)
+            if (result != OPTIONS_RUN) {
                 return result;
+            }
         }
     }
-    if (n_operands == 0)
+    if (n_operands == 0) {
         return complain("not enough arguments", "", "");
+    }
     options->input = strcmp(operands[0], "-") == 0 ? NULL : operands[0];
     options->output = operands[1] == NULL || strcmp(operands[1], "-") == 0 ? NULL : operands[1];
     return OPTIONS_RUN;

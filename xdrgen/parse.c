@@ -17,8 +17,9 @@ void parse_source(struct source *source, struct tree *tree, struct diagnostics *
     struct parse parse = {.tree = tree, .diagnostics = diagnostics};
     yyscan_t scanner;
     scan_init(&parse.scan, source, diagnostics);
-    if (xdr_lex_init_extra(&parse.scan, &scanner) != 0)
+    if (xdr_lex_init_extra(&parse.scan, &scanner) != 0) {
         return;
+    }
     /* The scanner works in the source itself, so that tokens can be pieces of it. */
     (void)xdr__scan_buffer(source->bytes, source->length + 2, scanner);
     (void)xdr_parse(scanner, &parse);
@@ -32,8 +33,9 @@ void parse_report_depth(struct parse *parse, const struct place *place)
 
 struct type parse_record(struct parse *parse, struct record *record, const struct place *place)
 {
-    if (record->depth == TREE_MAX_DEPTH + 1)
+    if (record->depth == TREE_MAX_DEPTH + 1) {
         parse_report_depth(parse, place);
+    }
     return type_record(record, place);
 }
 
@@ -60,8 +62,9 @@ static void describe(const char *name, char words[NAME_SIZE])
         return;
     }
     (void)snprintf(words, NAME_SIZE, "`%s'", name);
-    for (char *c = words; *c != '\0'; c++)
+    for (char *c = words; *c != '\0'; c++) {
         *c = (char)tolower((unsigned char)*c);
+    }
 }
 
 static void append(char list[LIST_SIZE], const char *text)
@@ -74,8 +77,9 @@ static void append(char list[LIST_SIZE], const char *text)
 static struct text token_text(const struct parse *parse, const struct place *place,
                               const char *found)
 {
-    if (strcmp(found, "PASS_THROUGH_CODE") == 0)
+    if (strcmp(found, "PASS_THROUGH_CODE") == 0) {
         return text_of("%}");
+    }
     const size_t length = parse->scan.here.offset - place->offset;
     return (struct text){parse->scan.source->bytes + place->offset, length};
 }
@@ -89,8 +93,9 @@ static int shown(struct text token)
 static void report_unsupported(struct parse *parse, const struct place *place, struct text token)
 {
     char upper[16] = "";
-    for (size_t i = 0; i < token.length && i + 1 < sizeof upper; i++)
+    for (size_t i = 0; i < token.length && i + 1 < sizeof upper; i++) {
         upper[i] = (char)toupper((unsigned char)token.bytes[i]);
+    }
     diagnostics_error(parse->diagnostics, place, token.length, "`%.*s' is not supported",
                       shown(token), token.bytes);
     diagnostics_classic(parse->diagnostics, "before `%.*s': XDR token `%s' not supported.",
@@ -115,12 +120,13 @@ void parse_report_unexpected(struct parse *parse, const struct place *place, con
         append(modern, i == 0 ? ", expected " : " or ");
         append(modern, words);
     }
-    if (token.length > 0 && strcmp(found, "PASS_THROUGH_CODE") != 0)
+    if (token.length > 0 && strcmp(found, "PASS_THROUGH_CODE") != 0) {
         diagnostics_error(parse->diagnostics, place, token.length, "unexpected `%.*s'%s",
                           shown(token), token.bytes, modern);
-    else
+    } else {
         diagnostics_error(parse->diagnostics, place, token.length, "unexpected %s%s",
                           token.length > 0 ? "code section" : "end of the file", modern);
+    }
     diagnostics_classic(parse->diagnostics, "before `%.*s': syntax error, unexpected %s%s",
                         shown(token), token.bytes, found, classic);
 }

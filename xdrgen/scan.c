@@ -38,16 +38,18 @@ struct marker {
 
 static size_t skip_blanks(const char *bytes, size_t length, size_t at)
 {
-    while (at < length && (bytes[at] == ' ' || bytes[at] == '\t'))
+    while (at < length && (bytes[at] == ' ' || bytes[at] == '\t')) {
         at++;
+    }
     return at;
 }
 
 static size_t read_number(const char *bytes, size_t length, size_t at, size_t *number)
 {
     const size_t start = at;
-    while (at < length && bytes[at] >= '0' && bytes[at] <= '9')
+    while (at < length && bytes[at] >= '0' && bytes[at] <= '9') {
         at++;
+    }
     *number = (size_t)text_number((struct text){bytes + start, at - start});
     return at;
 }
@@ -55,8 +57,9 @@ static size_t read_number(const char *bytes, size_t length, size_t at, size_t *n
 static size_t read_name(const char *bytes, size_t length, size_t at, struct text *name)
 {
     const size_t start = ++at;
-    while (at < length && bytes[at] != '"')
+    while (at < length && bytes[at] != '"') {
         at += bytes[at] == '\\' ? 2 : 1;
+    }
     *name = (struct text){bytes + start, at - start};
     return at + 1;
 }
@@ -66,11 +69,13 @@ static struct marker read_marker(const char *bytes, size_t length)
 {
     struct marker marker = {0, {NULL, 0}, false, false};
     size_t at = 0;
-    while (bytes[at] < '0' || bytes[at] > '9')
+    while (bytes[at] < '0' || bytes[at] > '9') {
         at++;
+    }
     at = skip_blanks(bytes, length, read_number(bytes, length, at, &marker.line));
-    if (at < length && bytes[at] == '"')
+    if (at < length && bytes[at] == '"') {
         at = read_name(bytes, length, at, &marker.name);
+    }
     for (at = skip_blanks(bytes, length, at); at < length && bytes[at] != '\r';
          at = skip_blanks(bytes, length, at)) {
         size_t flag;
@@ -91,8 +96,9 @@ static char *marker_name(struct text name)
     char *result = mem_new(name.length + 1);
     size_t length = 0;
     for (size_t i = 0; i < name.length; i++) {
-        if (name.bytes[i] == '\\' && i + 1 < name.length)
+        if (name.bytes[i] == '\\' && i + 1 < name.length) {
             i++;
+        }
         result[length++] = name.bytes[i];
     }
     return result;
@@ -104,13 +110,15 @@ void scan_follow_marker(struct scan *scan, const struct place *place, const char
     const struct marker marker = read_marker(bytes, length);
     const struct origin *origins = scan->source->origins;
     struct origin now = origins[scan->here.origin];
-    if (marker.enters)
+    if (marker.enters) {
         now = (struct origin){NULL, scan->here.origin, place->line};
-    else if (marker.returns && now.includer != SOURCE_NOBODY)
+    } else if (marker.returns && now.includer != SOURCE_NOBODY) {
         now = origins[now.includer];
-    if (marker.name.bytes != NULL)
+    }
+    if (marker.name.bytes != NULL) {
         scan->here.origin = source_add_origin(scan->source, marker_name(marker.name), now.includer,
                                               now.includer_line);
+    }
     scan->here.line = marker.line - 1; /* the newline behind the marker adds the one */
 }
 
@@ -118,12 +126,13 @@ void scan_follow_marker(struct scan *scan, const struct place *place, const char
 
 void scan_report_byte(struct scan *scan, const struct place *place, unsigned char byte)
 {
-    if (byte == 0)
+    if (byte == 0) {
         diagnostics_error(scan->diagnostics, place, 1, "NUL character in input");
-    else if (byte > ' ' && byte < 0x7f)
+    } else if (byte > ' ' && byte < 0x7f) {
         diagnostics_error(scan->diagnostics, place, 1, "unexpected character `%c'", byte);
-    else
+    } else {
         diagnostics_error(scan->diagnostics, place, 1, "unexpected character \\x%02x", byte);
+    }
 }
 
 void scan_report_line(struct scan *scan, const struct place *place, const char *bytes)
@@ -171,18 +180,20 @@ static size_t read_escape(const char *bytes, size_t length, unsigned char *value
         *value = (unsigned char)escape_values[letter - escape_letters];
         return 1;
     }
-    if (length < 3 || !is_octal(bytes[0]) || !is_octal(bytes[1]) || !is_octal(bytes[2]))
+    if (length < 3 || !is_octal(bytes[0]) || !is_octal(bytes[1]) || !is_octal(bytes[2])) {
         return 0;
+    }
     *value = (unsigned char)((bytes[0] - '0') * 64 + (bytes[1] - '0') * 8 + (bytes[2] - '0'));
     return 3;
 }
 
 static void check_byte(struct scan *scan, const struct place *place, size_t width, unsigned char c)
 {
-    if (c == 0)
+    if (c == 0) {
         diagnostics_error(scan->diagnostics, place, width, "NUL character in input");
-    else if (c == '\n' || c == '\r')
+    } else if (c == '\n' || c == '\r') {
         diagnostics_error(scan->diagnostics, place, width, "line break in a format");
+    }
 }
 
 void scan_check_string(struct scan *scan, const struct place *place, struct text string)
@@ -195,8 +206,9 @@ void scan_check_string(struct scan *scan, const struct place *place, struct text
         size_t width = 1;
         if (value == '\\') {
             width += read_escape(string.bytes + i + 1, string.length - i - 2, &value);
-            if (width == 1)
+            if (width == 1) {
                 diagnostics_error(scan->diagnostics, &at, 2, "unknown escape sequence in string");
+            }
         }
         check_byte(scan, &at, width, value);
         i += width;
@@ -209,8 +221,9 @@ char *scan_string_value(struct text string)
     size_t length = 0;
     for (size_t i = 1; i + 1 < string.length; i++) {
         unsigned char c = (unsigned char)string.bytes[i];
-        if (c == '\\')
+        if (c == '\\') {
             i += read_escape(string.bytes + i + 1, string.length - i - 2, &c);
+        }
         value[length++] = (char)c;
     }
     return value;

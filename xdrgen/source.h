@@ -16,7 +16,7 @@ struct origin {
     size_t includer_line;
 };
 
-#define SOURCE_NOBODY ((size_t)-1)
+#define SOURCE_NOBODY ((size_t) - 1)
 
 struct source {
     char *bytes;   /* two NULs behind them, which the scanner needs */

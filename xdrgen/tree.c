@@ -10,8 +10,9 @@
 /* Makes room for one more element of an array that is full at 0, 1, 2, 4, 8 ... elements. */
 static void *make_room(void *items, size_t count, size_t size)
 {
-    if ((count & (count - 1)) != 0)
+    if ((count & (count - 1)) != 0) {
         return items;
+    }
     return mem_resize(items, count == 0 ? 1 : 2 * count, size);
 }
 
@@ -58,8 +59,9 @@ void dimensions_append(struct dimensions *dimensions, struct dimension dimension
 
 void dimensions_free(struct dimensions *dimensions)
 {
-    if (dimensions == NULL)
+    if (dimensions == NULL) {
         return;
+    }
     free(dimensions->items);
     free(dimensions);
 }
@@ -70,8 +72,9 @@ struct declaration *declaration_new(struct type type, struct text name, const st
     struct declaration *declaration = mem_new(sizeof *declaration);
     *declaration =
         (struct declaration){.type = type, .name = name, .place = *place, .array = array};
-    if (dimensions != NULL)
+    if (dimensions != NULL) {
         declaration->dimensions = *dimensions;
+    }
     free(dimensions);
     return declaration;
 }
@@ -90,8 +93,9 @@ struct declaration *declaration_new_string(const struct place *type_place, struc
 
 void declaration_free(struct declaration *declaration)
 {
-    if (declaration == NULL)
+    if (declaration == NULL) {
         return;
+    }
     type_fini(&declaration->type);
     free(declaration->dimensions.items);
     free(declaration);
@@ -114,16 +118,19 @@ void record_append(struct record *record, struct declaration *field)
     }
     record->fields = make_room(record->fields, record->n_fields, sizeof(struct declaration *));
     record->fields[record->n_fields++] = field;
-    if (field->type.kind == TYPE_RECORD && record->depth <= field->type.record->depth)
+    if (field->type.kind == TYPE_RECORD && record->depth <= field->type.record->depth) {
         record->depth = field->type.record->depth + 1;
+    }
 }
 
 void record_free(struct record *record)
 {
-    if (record == NULL)
+    if (record == NULL) {
         return;
-    for (size_t i = 0; i < record->n_fields; i++)
+    }
+    for (size_t i = 0; i < record->n_fields; i++) {
         declaration_free(record->fields[i]);
+    }
     free((void *)record->fields);
     free(record);
 }
@@ -135,22 +142,24 @@ struct enumeration *enumeration_new(void)
 
 void enumeration_append(struct enumeration *enumeration, struct enumerator enumerator)
 {
-    if (enumerator.has_value)
+    if (enumerator.has_value) {
         enumeration->has_values = true;
-    else if (enumeration->count == 0)
+    } else if (enumeration->count == 0) {
         enumerator.value = 0;
-    else if (enumeration->items[enumeration->count - 1].value < INT64_MAX)
+    } else if (enumeration->items[enumeration->count - 1].value < INT64_MAX) {
         enumerator.value = enumeration->items[enumeration->count - 1].value + 1;
-    else
+    } else {
         enumerator.value = INT64_MAX;
+    }
     enumeration->items = make_room(enumeration->items, enumeration->count, sizeof enumerator);
     enumeration->items[enumeration->count++] = enumerator;
 }
 
 void enumeration_free(struct enumeration *enumeration)
 {
-    if (enumeration == NULL)
+    if (enumeration == NULL) {
         return;
+    }
     free(enumeration->items);
     free(enumeration);
 }
@@ -180,10 +189,11 @@ static struct definition *add(struct tree *tree, enum definition_kind kind, stru
 {
     struct definition *definition = mem_new(sizeof *definition);
     *definition = (struct definition){.kind = kind, .name = name, .place = *place};
-    if (tree->last == NULL)
+    if (tree->last == NULL) {
         tree->first = definition;
-    else
+    } else {
         tree->last->next = definition;
+    }
     tree->last = definition;
     return definition;
 }
@@ -230,8 +240,9 @@ static struct meaning type_meaning(const struct type *type)
         meaning.shape = SHAPE_ENUM;
         break;
     case TYPE_NAMED:
-        if (type->target != NULL && type->target->kind == DEFINITION_TYPE)
+        if (type->target != NULL && type->target->kind == DEFINITION_TYPE) {
             return type->target->meaning;
+        }
         meaning.shape = SHAPE_EXTERNAL;
         meaning.element = NULL;
         break;
@@ -244,8 +255,9 @@ static struct meaning type_meaning(const struct type *type)
 struct meaning declaration_meaning(const struct declaration *declaration)
 {
     struct meaning meaning = type_meaning(&declaration->type);
-    if (declaration->array == ARRAY_NONE)
+    if (declaration->array == ARRAY_NONE) {
         return meaning;
+    }
     meaning.is_integer_array = declaration->array == ARRAY_FIXED &&
                                (meaning.shape == SHAPE_INTEGER || meaning.is_integer_array);
     meaning.shape = SHAPE_ARRAY;

@@ -520,8 +520,8 @@ extern IPC_RETURN_TYPE IPC_queryResponse(const char *msgName, unsigned int lengt
  *   handler  NULL: the answer is thrown away
  * Errors, Waits: as IPC_publish().
  */
-extern IPC_RETURN_TYPE IPC_queryNotify(const char *msgName, unsigned int length,
-                                       BYTE_ARRAY content, HANDLER_TYPE handler, void *clientData);
+extern IPC_RETURN_TYPE IPC_queryNotify(const char *msgName, unsigned int length, BYTE_ARRAY content,
+                                       HANDLER_TYPE handler, void *clientData);
 
 /* IPC_respond() with varcontent's bytes; IPC_Null_Argument also for varcontent. [5.5] */
 extern IPC_RETURN_TYPE IPC_respondVC(MSG_INSTANCE msgInstance, const char *msgName,
@@ -644,8 +644,8 @@ extern IPC_RETURN_TYPE IPC_respondData(MSG_INSTANCE msgInstance, const char *msg
  * The same for IPC_queryNotify(); the handler gets the answer's bytes. [6.14]
  * Errors, Waits: as IPC_publishData().
  */
-extern IPC_RETURN_TYPE IPC_queryNotifyData(const char *msgName, void *dataptr,
-                                           HANDLER_TYPE handler, void *clientData);
+extern IPC_RETURN_TYPE IPC_queryNotifyData(const char *msgName, void *dataptr, HANDLER_TYPE handler,
+                                           void *clientData);
 
 /*
  * The same for IPC_queryResponse(). [6.15]

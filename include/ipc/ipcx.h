@@ -166,8 +166,8 @@ IPC_RETURN_TYPE IPCx_arrayInfo(BYTE_ARRAY byteArray, unsigned int *length, int *
  * Errors: IPC_Wrong_Buffer_Length when the bytes do not hold a value of the format;
  * otherwise as IPC_unmarshall.
  */
-IPC_RETURN_TYPE IPCx_unmarshallN(FORMATTER_PTR formatter, BYTE_ARRAY byteArray,
-                                 unsigned int length, void **dataHandle);
+IPC_RETURN_TYPE IPCx_unmarshallN(FORMATTER_PTR formatter, BYTE_ARRAY byteArray, unsigned int length,
+                                 void **dataHandle);
 
 /*
  * An empty string that arrives is NULL, as programs for CMU IPC expect.  With keep 1 it

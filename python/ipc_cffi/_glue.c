@@ -154,8 +154,8 @@ static IPC_RETURN_TYPE glue_query(const char *message, unsigned int length, void
                                   unsigned int timeout, struct reply *reply)
 {
     memset(reply, 0, sizeof *reply);
-    const IPC_RETURN_TYPE result = _IPC_queryResponse(message, length, content, &reply->content,
-                                                      &reply->formatter, timeout);
+    const IPC_RETURN_TYPE result =
+        _IPC_queryResponse(message, length, content, &reply->content, &reply->formatter, timeout);
     if (result == IPC_OK && reply->content != NULL) {
         (void)IPCx_arrayInfo(reply->content, &reply->length, &reply->is_big_endian);
     }

@@ -152,8 +152,7 @@ static void close_descriptors(int from)
 static void run_central(const struct central *central, const char *option)
 {
     const char *later = getenv("IPC_CHECK_LATER_CENTRALS");
-    const char *program =
-        later && central != state.centrals ? later : getenv("IPC_CHECK_CENTRAL");
+    const char *program = later && central != state.centrals ? later : getenv("IPC_CHECK_CENTRAL");
     char port_option[16];
     char name[32];
     snprintf(port_option, sizeof port_option, "-p%d", central->port);

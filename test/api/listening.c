@@ -16,7 +16,7 @@
 
 /* The library cannot be that punctual on a busy machine, and has to be no more punctual than this.
  */
-#define EXPECT_AT_LEAST(milliseconds, start) EXPECT(now_ms() - (start) >= (milliseconds)-5)
+#define EXPECT_AT_LEAST(milliseconds, start) EXPECT(now_ms() - (start) >= (milliseconds) - 5)
 
 static void note_timer(void *client_data, unsigned long now, unsigned long scheduled)
 {

@@ -52,8 +52,9 @@ static uint8_t *put_string(uint8_t *to, const char *text)
 {
     const uint32_t length = text == NULL ? 0 : (uint32_t)strlen(text);
     to = put(to, &length, 4);
-    if (length > 0)
+    if (length > 0) {
         return put(to, text, length);
+    }
     *to = 'Z';
     return to + 1;
 }
@@ -75,8 +76,9 @@ static const uint8_t *get_string(const uint8_t *from, char **text)
     uint32_t length;
     from = get(from, &length, 4);
     *text = NULL;
-    if (length == 0)
+    if (length == 0) {
         return from + 1;
+    }
     *text = malloc(length + 1);
     memcpy(*text, from, length);
     (*text)[length] = '\0';
@@ -202,8 +204,9 @@ static struct bytes encode_items(const void *value)
     const struct counted *c = value;
     const struct item *items = c->elements;
     size_t size = 8;
-    for (int i = 0; i < c->count; i++)
+    for (int i = 0; i < c->count; i++) {
         size += 12 + string_size(items[i].name);
+    }
     struct bytes bytes = new_bytes(size);
     uint8_t *to = put(bytes.content, &c->count, 4);
     to = put(to, &c->count, 4);
@@ -234,8 +237,9 @@ static void release_items(void *value)
 {
     struct counted *c = value;
     struct item *items = c->elements;
-    for (int i = 0; i < c->count; i++)
+    for (int i = 0; i < c->count; i++) {
         free(items[i].name);
+    }
     release_counted(c);
 }
 
@@ -248,8 +252,9 @@ struct node {
 static struct bytes encode_list(const void *value)
 {
     size_t size = 0;
-    for (const struct node *n = value; n != NULL; n = n->next)
+    for (const struct node *n = value; n != NULL; n = n->next) {
         size += 13;
+    }
     struct bytes bytes = new_bytes(size);
     uint8_t *to = bytes.content;
     for (const struct node *n = value; n != NULL; n = n->next) {
@@ -411,8 +416,9 @@ static char *copy_text(const char *text)
 static void *zeroed(size_t size)
 {
     void *block = calloc(1, size);
-    if (block == NULL)
+    if (block == NULL) {
         abort();
+    }
     return block;
 }
 
@@ -439,8 +445,9 @@ static void *make_items(void)
     struct item *items = zeroed(N_RECORDS * sizeof *items);
     c->count = N_RECORDS;
     c->elements = items;
-    for (int i = 0; i < N_RECORDS; i++)
+    for (int i = 0; i < N_RECORDS; i++) {
         items[i] = (struct item){i, copy_text("name 12345"), i * 0.5};
+    }
     return c;
 }
 
@@ -510,11 +517,13 @@ static double time_round(const struct measured *measured, run_function run, long
 {
     for (;;) {
         const double start = now();
-        for (long i = 0; i < *runs; i++)
+        for (long i = 0; i < *runs; i++) {
             run(measured);
+        }
         const double spent = now() - start;
-        if (spent >= ROUND_NS)
+        if (spent >= ROUND_NS) {
             return spent / (double)*runs;
+        }
         *runs *= 2; /* too short to be told from noise */
     }
 }
@@ -646,20 +655,23 @@ static void measure(const struct subject *subject)
     struct buffer out;
     buffer_init(&out);
     if (format_parse(subject->format, NULL, &format, NULL) != 0 ||
-        format_encode(format, subject->value, byte_order_of_host(), &out) != 0)
+        format_encode(format, subject->value, byte_order_of_host(), &out) != 0) {
         abort();
+    }
     m.format = format;
     m.content = out.bytes;
     m.length = out.length;
-    if (other.initialize != NULL)
+    if (other.initialize != NULL) {
         m.formatter = other.parse_format(subject->format);
+    }
     least_times(&m, functions, m.formatter == NULL ? 5 : 7, times);
     (void)printf("%-13s %7zu | %8.1f %8.1f %5.2f | %8.1f %8.1f %5.2f | %8.1f", subject->name,
                  out.length, times[0], times[1], times[0] / times[1], times[2], times[3],
                  times[2] / times[3], times[4]);
-    if (m.formatter != NULL)
+    if (m.formatter != NULL) {
         (void)printf(" | %8.1f %5.1f %8.1f %5.1f", times[5], times[5] / times[0], times[6],
                      times[6] / times[2]);
+    }
     (void)printf("\n");
     (void)fflush(stdout);
     format_unref(format);
@@ -686,12 +698,14 @@ int main(int n_arguments, char **arguments)
          release_scan},
         {"image", "{int,int,<ubyte:1,2>}", make_image(), encode_image, decode_image, release_image},
     };
-    if (n_arguments > 1)
+    if (n_arguments > 1) {
         open_other(arguments[1]);
+    }
     (void)printf("%-13s %7s | %8s %8s %5s | %8s %8s %5s | %8s%s\n", "ns", "bytes", "encode", "hand",
                  "ratio", "decode", "hand", "ratio", "swapped",
                  n_arguments > 1 ? " |   theirs times   theirs times" : "");
-    for (size_t i = 0; i < sizeof subjects / sizeof *subjects; i++)
+    for (size_t i = 0; i < sizeof subjects / sizeof *subjects; i++) {
         measure(&subjects[i]);
+    }
     return EXIT_SUCCESS;
 }

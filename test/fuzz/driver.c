@@ -15,8 +15,9 @@ enum { LARGEST_INPUT = 1 << 20 };
 static void run(const uint8_t *data, size_t size)
 {
     uint8_t *exact = malloc(size > 0 ? size : 1);
-    if (exact == NULL)
+    if (exact == NULL) {
         abort();
+    }
     memcpy(exact, data, size);
     (void)LLVMFuzzerTestOneInput(exact, size);
     free(exact);
@@ -32,8 +33,9 @@ static int run_file(const char *path, uint8_t *data)
     const size_t size = fread(data, 1, LARGEST_INPUT, file);
     (void)fclose(file);
     const size_t step = size / 500 + 1;
-    for (size_t length = 0; length < size; length += step)
+    for (size_t length = 0; length < size; length += step) {
         run(data, length);
+    }
     run(data, size);
     return EXIT_SUCCESS;
 }
@@ -42,11 +44,14 @@ int main(int n_arguments, char **arguments)
 {
     int result = n_arguments > 1 ? EXIT_SUCCESS : EXIT_FAILURE;
     uint8_t *data = malloc(LARGEST_INPUT);
-    if (data == NULL)
+    if (data == NULL) {
         return EXIT_FAILURE;
-    for (int i = 1; i < n_arguments; i++)
-        if (run_file(arguments[i], data) != EXIT_SUCCESS)
+    }
+    for (int i = 1; i < n_arguments; i++) {
+        if (run_file(arguments[i], data) != EXIT_SUCCESS) {
             result = EXIT_FAILURE;
+        }
+    }
     free(data);
     return result;
 }

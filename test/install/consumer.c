@@ -31,7 +31,8 @@ int main(void)
 
     IPC_initialize();
     formatter = IPC_parseFormat("{int, string}");
-    if (formatter == NULL || IPC_isConnected() || format_parse() != 0 || buffer_append() != 0)
+    if (formatter == NULL || IPC_isConnected() || format_parse() != 0 || buffer_append() != 0) {
         return 1;
+    }
     return IPC_printData(formatter, stdout, &value) == IPC_OK ? 0 : 1;
 }

@@ -15,8 +15,8 @@
 #define CHECK(condition) extern char JOIN(check_, __LINE__)[(condition) ? 1 : -1]
 
 /* A pointer of the expected type, set to the function. */
-#define FUNCTION(name, result, arguments)           \
-    extern result(*const JOIN(name, _p)) arguments; \
+#define FUNCTION(name, result, arguments)                                                          \
+    extern result(*const JOIN(name, _p)) arguments;                                                \
     result(*const JOIN(name, _p)) arguments = name;
 
 /* ------------------------------------------------------------ constants */
@@ -60,8 +60,8 @@ CHECK(offsetof(IPC_VARCONTENT_TYPE, content) == sizeof(void *));
 CHECK(sizeof(((IPC_VARCONTENT_TYPE *)0)->length) == 4);
 
 /* Types are equal if a pointer to one is a pointer to the other. */
-#define SAME_TYPE(name, type)                          \
-    extern type *const JOIN(same_, __LINE__);          \
+#define SAME_TYPE(name, type)                                                                      \
+    extern type *const JOIN(same_, __LINE__);                                                      \
     type *const JOIN(same_, __LINE__) = (name *)0;
 
 struct _X_IPC_REF;

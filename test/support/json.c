@@ -21,15 +21,17 @@ static struct json *parse_any(const char **at);
 
 static void skip_space(const char **at)
 {
-    while (isspace((unsigned char)**at))
+    while (isspace((unsigned char)**at)) {
         (*at)++;
+    }
 }
 
 static bool skip_mark(const char **at, char mark)
 {
     skip_space(at);
-    if (**at != mark)
+    if (**at != mark) {
         return false;
+    }
     (*at)++;
     return true;
 }
@@ -49,8 +51,9 @@ static unsigned hex_value(const char *digits, int count, const char *at)
         const char *known = "0123456789abcdef";
         const char *found =
             digits[i] == '\0' ? NULL : strchr(known, tolower((unsigned char)digits[i]));
-        if (found == NULL)
+        if (found == NULL) {
             give_up("bad hexadecimal digit", at);
+        }
         value = value * 16 + (unsigned)(found - known);
     }
     return value;
@@ -62,10 +65,12 @@ static unsigned parse_escape(const char **at)
     const char c = *(*at)++;
     const char *known = "bfnrt";
     const char *found = c == '\0' ? NULL : strchr(known, c);
-    if (found != NULL)
+    if (found != NULL) {
         return (unsigned char)"\b\f\n\r\t"[found - known];
-    if (c != 'u')
+    }
+    if (c != 'u') {
         return (unsigned char)c;
+    }
     unsigned value = hex_value(*at, 4, *at);
     *at += 4;
     return value;
@@ -75,10 +80,12 @@ static unsigned parse_escape(const char **at)
 static unsigned parse_wide(const char **at)
 {
     unsigned first = (unsigned char)*(*at)++;
-    if (first < 0x80)
+    if (first < 0x80) {
         return first;
-    if ((first & 0xe0) != 0xc0)
+    }
+    if ((first & 0xe0) != 0xc0) {
         return '?';
+    }
     return (first & 0x1f) << 6 | ((unsigned char)*(*at)++ & 0x3f);
 }
 
@@ -90,8 +97,9 @@ static struct json *parse_string(const char **at)
     json->kind = JSON_STRING;
     (*at)++;
     while (**at != '"') {
-        if (**at == '\0')
+        if (**at == '\0') {
             give_up("string without end", *at);
+        }
         unsigned character;
         if (**at == '\\') {
             (*at)++;
@@ -116,8 +124,9 @@ static struct json *parse_number(const char **at)
     char *end;
     json->kind = JSON_NUMBER;
     json->real = strtod(*at, &end);
-    if (end == *at)
+    if (end == *at) {
         give_up("no value", *at);
+    }
     json->integer = strtoll(*at, NULL, 10);
     json->text = mem_copy_text(*at, (size_t)(end - *at));
     *at = end;
@@ -129,13 +138,15 @@ static struct json *parse_list(const char **at)
     struct json *json = mem_new(sizeof *json);
     json->kind = JSON_LIST;
     (*at)++;
-    if (skip_mark(at, ']'))
+    if (skip_mark(at, ']')) {
         return json;
-    do
+    }
+    do {
         add_part(json, NULL, parse_any(at));
-    while (skip_mark(at, ','));
-    if (!skip_mark(at, ']'))
+    } while (skip_mark(at, ','));
+    if (!skip_mark(at, ']')) {
         give_up("list without end", *at);
+    }
     return json;
 }
 
@@ -144,21 +155,25 @@ static struct json *parse_object(const char **at)
     struct json *json = mem_new(sizeof *json);
     json->kind = JSON_OBJECT;
     (*at)++;
-    if (skip_mark(at, '}'))
+    if (skip_mark(at, '}')) {
         return json;
+    }
     do {
         skip_space(at);
-        if (**at != '"')
+        if (**at != '"') {
             give_up("object without key", *at);
+        }
         struct json *key = parse_string(at);
-        if (!skip_mark(at, ':'))
+        if (!skip_mark(at, ':')) {
             give_up("key without value", *at);
+        }
         add_part(json, key->text, parse_any(at));
         key->text = NULL;
         json_free(key);
     } while (skip_mark(at, ','));
-    if (!skip_mark(at, '}'))
+    if (!skip_mark(at, '}')) {
         give_up("object without end", *at);
+    }
     return json;
 }
 
@@ -171,8 +186,9 @@ static struct json *parse_word(const char **at)
     }
     json->kind = JSON_BOOLEAN;
     json->truth = strncmp(*at, "true", 4) == 0;
-    if (!json->truth && strncmp(*at, "false", 5) != 0)
+    if (!json->truth && strncmp(*at, "false", 5) != 0) {
         give_up("unknown word", *at);
+    }
     *at += json->truth ? 4 : 5;
     return json;
 }
@@ -204,14 +220,16 @@ struct json *json_parse(const char *text)
 struct json *json_read_file(const char *path)
 {
     FILE *file = fopen(path, "rb");
-    if (file == NULL)
+    if (file == NULL) {
         give_up("cannot open", path);
+    }
     struct buffer bytes;
     buffer_init(&bytes);
     size_t count;
     char chunk[4096];
-    while ((count = fread(chunk, 1, sizeof chunk, file)) > 0)
+    while ((count = fread(chunk, 1, sizeof chunk, file)) > 0) {
         (void)buffer_append(&bytes, chunk, count);
+    }
     (void)fclose(file);
     (void)buffer_append(&bytes, "", 1);
     struct json *json = json_parse((const char *)bytes.bytes);
@@ -228,8 +246,9 @@ struct json *json_read_vectors(const char *name)
 
 void json_free(struct json *json)
 {
-    if (json == NULL)
+    if (json == NULL) {
         return;
+    }
     if (json->kind == JSON_LIST || json->kind == JSON_OBJECT) {
         for (size_t i = 0; i < json->length; i++) {
             free(json->keys[i]);
@@ -244,19 +263,23 @@ void json_free(struct json *json)
 
 const struct json *json_find(const struct json *object, const char *key)
 {
-    if (object->kind != JSON_OBJECT)
+    if (object->kind != JSON_OBJECT) {
         return NULL;
-    for (size_t i = 0; i < object->length; i++)
-        if (strcmp(object->keys[i], key) == 0)
+    }
+    for (size_t i = 0; i < object->length; i++) {
+        if (strcmp(object->keys[i], key) == 0) {
             return object->parts[i];
+        }
+    }
     return NULL;
 }
 
 const struct json *json_get(const struct json *object, const char *key)
 {
     const struct json *part = json_find(object, key);
-    if (part == NULL)
+    if (part == NULL) {
         give_up("missing key", key);
+    }
     return part;
 }
 
@@ -269,7 +292,8 @@ uint8_t *json_bytes(const struct json *json, size_t *length)
 {
     *length = json->length / 2;
     uint8_t *bytes = mem_new(*length);
-    for (size_t i = 0; i < *length; i++)
+    for (size_t i = 0; i < *length; i++) {
         bytes[i] = (uint8_t)hex_value(json->text + 2 * i, 2, json->text);
+    }
     return bytes;
 }

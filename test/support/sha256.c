@@ -26,8 +26,9 @@ static uint32_t rotate(uint32_t v, int by)
 static void digest_block(uint32_t state[8], const uint8_t *block)
 {
     uint32_t w[64], s[8];
-    for (int i = 0; i < 16; i++)
+    for (int i = 0; i < 16; i++) {
         w[i] = load_be32(block + 4 * i);
+    }
     for (int i = 16; i < 64; i++) {
         uint32_t a = rotate(w[i - 15], 7) ^ rotate(w[i - 15], 18) ^ w[i - 15] >> 3;
         uint32_t b = rotate(w[i - 2], 17) ^ rotate(w[i - 2], 19) ^ w[i - 2] >> 10;
@@ -43,8 +44,9 @@ static void digest_block(uint32_t state[8], const uint8_t *block)
         s[4] += t1;
         s[0] = t1 + t2;
     }
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < 8; i++) {
         state[i] += s[i];
+    }
 }
 
 void sha256_hex(const uint8_t *bytes, size_t length, char digest[65])
@@ -52,8 +54,9 @@ void sha256_hex(const uint8_t *bytes, size_t length, char digest[65])
     uint32_t state[8] = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                          0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
     size_t done = 0;
-    for (; length - done >= 64; done += 64)
+    for (; length - done >= 64; done += 64) {
         digest_block(state, bytes + done);
+    }
     uint8_t last[128] = {0};
     const size_t left = length - done;
     const size_t last_length = left < 56 ? 64 : 128;
@@ -61,8 +64,10 @@ void sha256_hex(const uint8_t *bytes, size_t length, char digest[65])
     last[left] = 0x80;
     store_be32(last + last_length - 8, (uint32_t)((uint64_t)length >> 29));
     store_be32(last + last_length - 4, (uint32_t)(length << 3));
-    for (size_t i = 0; i < last_length; i += 64)
+    for (size_t i = 0; i < last_length; i += 64) {
         digest_block(state, last + i);
-    for (int i = 0; i < 8; i++)
+    }
+    for (int i = 0; i < 8; i++) {
         (void)snprintf(digest + (size_t)8 * (size_t)i, 9, "%08x", (unsigned)state[i]);
+    }
 }

@@ -26,10 +26,12 @@ static void fill(const struct type *type, const struct type *structure, const st
 /* The bits of a number in the order of this host, from its value or its {"bits": ...}. */
 static uint64_t bits_of_integer(const struct json *json)
 {
-    if (json->kind == JSON_BOOLEAN)
+    if (json->kind == JSON_BOOLEAN) {
         return json->truth ? 1 : 0;
-    if (json->text[0] == '-')
+    }
+    if (json->text[0] == '-') {
         return (uint64_t)strtoll(json->text, NULL, 10);
+    }
     return strtoull(json->text, NULL, 10);
 }
 
@@ -38,8 +40,9 @@ static void fill_real(bool is_double, const struct json *json, uint8_t *at)
     const struct json *bits = json_find(json, "bits");
     const double number = json->real;
     const float single = (float)number;
-    if (bits != NULL)
+    if (bits != NULL) {
         enumeration_store(at, 4, (uint32_t)strtoull(bits->text, NULL, 16));
+    }
     if (bits != NULL && is_double) {
         const uint64_t image = strtoull(bits->text, NULL, 16);
         memcpy(at, &image, sizeof image);
@@ -86,8 +89,9 @@ static void fill_variable(const struct type *type, const struct json *json, uint
     }
     uint8_t *block = new_block(json->length * element->size);
     pointer_store(at, block);
-    for (size_t i = 0; i < json->length; i++)
+    for (size_t i = 0; i < json->length; i++) {
         fill(element, NULL, json->parts[i], block + i * element->size);
+    }
 }
 
 static void fill_pointer(const struct type *target, const struct json *json, uint8_t *at)
@@ -119,8 +123,9 @@ static void fill(const struct type *type, const struct type *structure, const st
         enumeration_store(at, type->size, (uint32_t)bits_of_integer(json));
         break;
     case TYPE_STRUCTURE:
-        for (uint32_t i = 0; i < type->n_members; i++)
+        for (uint32_t i = 0; i < type->n_members; i++) {
             fill(type->members[i], type, json->parts[i], at + type->members[i]->offset);
+        }
         break;
     case TYPE_POINTER:
         fill_pointer(type->members[0], json, at);
@@ -146,8 +151,9 @@ void *value_build(const struct format *format, const struct json *json)
 
 void value_free(const struct format *format, void *value)
 {
-    if (value != NULL)
+    if (value != NULL) {
         (void)format_release(format, value);
+    }
     free(value);
 }
 
@@ -178,8 +184,9 @@ static void *generate_bytes(uint32_t *state)
 {
     uint8_t *elements;
     void *value = counted_value(1000000, 1, &elements);
-    for (int i = 0; i < 1000000; i++)
+    for (int i = 0; i < 1000000; i++) {
         elements[i] = (uint8_t)((step(state) & 255) - 128);
+    }
     return value;
 }
 
@@ -221,8 +228,9 @@ static void *generate_strings(uint32_t *state)
     for (size_t i = 0; i < 5000; i++) {
         const uint32_t r = step(state);
         char letters[40] = "";
-        for (uint32_t k = 0; k < r % 37 + 1; k++)
+        for (uint32_t k = 0; k < r % 37 + 1; k++) {
             letters[k] = (char)(97 + (r + k) % 26);
+        }
         pointer_store(elements + i * sizeof(char *),
                       r % 10 == 0 ? NULL : mem_copy_text(letters, r % 37 + 1));
     }
@@ -232,8 +240,9 @@ static void *generate_strings(uint32_t *state)
 static void *generate_image(uint32_t *state)
 {
     uint8_t *value = new_block(480 * 640);
-    for (size_t i = 0; i < 480 * 640; i++)
+    for (size_t i = 0; i < 480 * 640; i++) {
         value[i] = (uint8_t)step(state);
+    }
     return value;
 }
 
@@ -265,9 +274,11 @@ void *value_generate(const struct format *format, const char *generator)
                       {"LCG_u8_2d", generate_image}, {"LIST_10k", generate_list}};
     uint32_t state = 1;
     (void)format;
-    for (size_t i = 0; i < sizeof generators / sizeof *generators; i++)
-        if (strcmp(generators[i].name, generator) == 0)
+    for (size_t i = 0; i < sizeof generators / sizeof *generators; i++) {
+        if (strcmp(generators[i].name, generator) == 0) {
             return generators[i].generate(&state);
+        }
+    }
     return NULL;
 }
 
@@ -279,9 +290,11 @@ static bool same(const struct type *type, const struct type *structure, const ui
 static bool same_elements(const struct type *element, uint64_t count, const uint8_t *a,
                           const uint8_t *b)
 {
-    for (uint64_t i = 0; i < count; i++)
-        if (!same(element, NULL, a + i * element->size, b + i * element->size))
+    for (uint64_t i = 0; i < count; i++) {
+        if (!same(element, NULL, a + i * element->size, b + i * element->size)) {
             return false;
+        }
+    }
     return true;
 }
 
@@ -289,8 +302,9 @@ static bool same_strings(const uint8_t *a, const uint8_t *b)
 {
     const char *first = (const char *)pointer_load(a);
     const char *second = (const char *)pointer_load(b);
-    if (first == NULL || second == NULL)
+    if (first == NULL || second == NULL) {
         return first == second;
+    }
     return strcmp(first, second) == 0;
 }
 
@@ -301,12 +315,14 @@ static bool same_structure(const struct type *type, const uint8_t *a, const uint
         const struct type *last = type->n_members == 0 ? NULL : type->members[type->n_members - 1];
         for (uint32_t i = 0; i < type->n_members; i++) {
             const struct type *member = type->members[i];
-            if (member == last && member->kind == TYPE_SELF)
+            if (member == last && member->kind == TYPE_SELF) {
                 break;
+            }
             const uint8_t *first = a + member->offset, *second = b + member->offset;
             if (member->kind != TYPE_VARIABLE_ARRAY) {
-                if (!same(member, type, first, second))
+                if (!same(member, type, first, second)) {
                     return false;
+                }
                 continue;
             }
             uint64_t count = 1;
@@ -316,25 +332,30 @@ static bool same_structure(const struct type *type, const uint8_t *a, const uint
                 count *= (uint64_t)dimension_read(&dimension, a);
             }
             const uint8_t *one = pointer_load(first), *other = pointer_load(second);
-            if ((one == NULL) != (other == NULL))
+            if ((one == NULL) != (other == NULL)) {
                 return false;
-            if (one != NULL && !same_elements(member->members[0], count, one, other))
+            }
+            if (one != NULL && !same_elements(member->members[0], count, one, other)) {
                 return false;
+            }
         }
-        if (last == NULL || last->kind != TYPE_SELF)
+        if (last == NULL || last->kind != TYPE_SELF) {
             return true;
+        }
         a = pointer_load(a + last->offset);
         b = pointer_load(b + last->offset);
-        if (a == NULL || b == NULL)
+        if (a == NULL || b == NULL) {
             return a == b;
+        }
     }
 }
 
 static bool same_targets(const struct type *target, const uint8_t *a, const uint8_t *b)
 {
     const uint8_t *first = pointer_load(a), *second = pointer_load(b);
-    if (first == NULL || second == NULL)
+    if (first == NULL || second == NULL) {
         return first == second;
+    }
     return same(target, NULL, first, second);
 }
 

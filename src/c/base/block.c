@@ -13,11 +13,13 @@
 
 struct block *block_new(size_t length)
 {
-    if (length > PTRDIFF_MAX - sizeof(struct block))
+    if (length > PTRDIFF_MAX - sizeof(struct block)) {
         return NULL;
+    }
     struct block *block = malloc(sizeof *block + length);
-    if (block == NULL)
+    if (block == NULL) {
         return NULL;
+    }
     block->references = 1;
     block->length = length;
     block->bytes = (uint8_t *)(block + 1);
@@ -27,8 +29,9 @@ struct block *block_new(size_t length)
 struct block *block_copy(const void *bytes, size_t length)
 {
     struct block *block = block_new(length);
-    if (block != NULL && length > 0)
+    if (block != NULL && length > 0) {
         memcpy(block->bytes, bytes, length);
+    }
     return block;
 }
 
@@ -36,8 +39,9 @@ struct block *block_adopt(uint8_t *bytes, size_t length)
 {
     /* One byte more, so that the place behind the struct is never another block's first byte. */
     struct block *block = malloc(sizeof *block + 1);
-    if (block == NULL)
+    if (block == NULL) {
         return NULL;
+    }
     block->references = 1;
     block->length = length;
     block->bytes = bytes;
@@ -52,12 +56,15 @@ struct block *block_ref(struct block *block)
 
 void block_unref(struct block *block)
 {
-    if (block == NULL)
+    if (block == NULL) {
         return;
+    }
     assert(block->references > 0);
-    if (--block->references > 0)
+    if (--block->references > 0) {
         return;
-    if (block->bytes != (uint8_t *)(block + 1))
+    }
+    if (block->bytes != (uint8_t *)(block + 1)) {
         free(block->bytes);
+    }
     free(block);
 }

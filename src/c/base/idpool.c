@@ -43,10 +43,11 @@ uint32_t idpool_take(struct idpool *pool, void *thing)
 {
     assert(thing != NULL);
     uint32_t number = pool->first_free;
-    if (number == no_slot)
+    if (number == no_slot) {
         number = new_number(pool);
-    else
+    } else {
         pool->first_free = pool->slots[number].next_free;
+    }
     pool->slots[number].thing = thing;
     pool->slots[number].next_free = no_slot;
     pool->in_use++;
@@ -55,8 +56,9 @@ uint32_t idpool_take(struct idpool *pool, void *thing)
 
 void *idpool_get(const struct idpool *pool, int64_t number)
 {
-    if (number < 0 || number >= pool->n_slots)
+    if (number < 0 || number >= pool->n_slots) {
         return NULL;
+    }
     return pool->slots[number].thing;
 }
 

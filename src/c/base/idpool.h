@@ -19,7 +19,7 @@ struct idpool_slot {
 
 struct idpool {
     struct idpool_slot *slots;
-    uint32_t n_slots;  /* numbers ever given out */
+    uint32_t n_slots; /* numbers ever given out */
     uint32_t capacity;
     uint32_t first_free; /* UINT32_MAX: none */
     uint32_t in_use;

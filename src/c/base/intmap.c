@@ -39,8 +39,9 @@ static size_t home_slot(const struct intmap *map, uint64_t key)
 static struct intmap_slot *find_slot(const struct intmap *map, uint64_t key)
 {
     size_t at = home_slot(map, key);
-    while (map->slots[at].value != NULL && map->slots[at].key != key)
+    while (map->slots[at].value != NULL && map->slots[at].key != key) {
         at = (at + 1) & (map->n_slots - 1);
+    }
     return &map->slots[at];
 }
 
@@ -49,9 +50,11 @@ static void grow(struct intmap *map)
     struct intmap old = *map;
     map->n_slots = old.n_slots == 0 ? FIRST_SLOTS : old.n_slots * 2;
     map->slots = mem_new(map->n_slots * sizeof *map->slots);
-    for (size_t i = 0; i < old.n_slots; i++)
-        if (old.slots[i].value != NULL)
+    for (size_t i = 0; i < old.n_slots; i++) {
+        if (old.slots[i].value != NULL) {
             *find_slot(map, old.slots[i].key) = old.slots[i];
+        }
+    }
     free(old.slots);
 }
 
@@ -63,12 +66,14 @@ void *intmap_find(const struct intmap *map, uint64_t key)
 void *intmap_put(struct intmap *map, uint64_t key, void *value)
 {
     assert(value != NULL);
-    if (map->count >= map->n_slots / 2)
+    if (map->count >= map->n_slots / 2) {
         grow(map);
+    }
     struct intmap_slot *slot = find_slot(map, key);
     void *replaced = slot->value;
-    if (replaced == NULL)
+    if (replaced == NULL) {
         map->count++;
+    }
     slot->key = key;
     slot->value = value;
     return replaced;
@@ -80,8 +85,9 @@ static void close_gap(struct intmap *map, size_t hole)
     const size_t mask = map->n_slots - 1;
     for (size_t at = (hole + 1) & mask; map->slots[at].value != NULL; at = (at + 1) & mask) {
         size_t distance_from_home = (at - home_slot(map, map->slots[at].key)) & mask;
-        if (distance_from_home < ((at - hole) & mask))
+        if (distance_from_home < ((at - hole) & mask)) {
             continue;
+        }
         map->slots[hole] = map->slots[at];
         hole = at;
     }
@@ -90,12 +96,14 @@ static void close_gap(struct intmap *map, size_t hole)
 
 void *intmap_remove(struct intmap *map, uint64_t key)
 {
-    if (map->count == 0)
+    if (map->count == 0) {
         return NULL;
+    }
     struct intmap_slot *slot = find_slot(map, key);
     void *value = slot->value;
-    if (value == NULL)
+    if (value == NULL) {
         return NULL;
+    }
     map->count--;
     close_gap(map, (size_t)(slot - map->slots));
     return value;

@@ -17,7 +17,8 @@ struct list {
 };
 
 /* The struct of the given type whose member is the link at pointer. */
-#define LIST_OWNER(pointer, type, member) ((type *)(void *)((char *)(pointer)-offsetof(type, member)))
+#define LIST_OWNER(pointer, type, member)                                                          \
+    ((type *)(void *)((char *)(pointer) - offsetof(type, member)))
 
 /* Visits every link; the current one may leave the list while it is visited. */
 #define LIST_EACH(position, following, head)                                                       \

@@ -24,8 +24,9 @@ void *mem_new(size_t size)
 
 void *mem_resize(void *block, size_t count, size_t size)
 {
-    if (size > 0 && count > SIZE_MAX / size)
+    if (size > 0 && count > SIZE_MAX / size) {
         return checked(NULL);
+    }
     size_t total = count * size;
     return checked(realloc(block, total > 0 ? total : 1));
 }
@@ -38,8 +39,9 @@ char *mem_copy_string(const char *text)
 char *mem_copy_text(const char *text, size_t length)
 {
     char *copy = mem_resize(NULL, length + 1, 1);
-    if (length > 0)
+    if (length > 0) {
         memcpy(copy, text, length);
+    }
     copy[length] = '\0';
     return copy;
 }

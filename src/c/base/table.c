@@ -29,11 +29,14 @@ static uint32_t hash_name(enum table_kind kind, const char *name, size_t length)
 
 static bool same_text(enum table_kind kind, const char *a, const char *b, size_t length)
 {
-    if (kind == TABLE_EXACT)
+    if (kind == TABLE_EXACT) {
         return memcmp(a, b, length) == 0;
-    for (size_t i = 0; i < length; i++)
-        if (fold((unsigned char)a[i]) != fold((unsigned char)b[i]))
+    }
+    for (size_t i = 0; i < length; i++) {
+        if (fold((unsigned char)a[i]) != fold((unsigned char)b[i])) {
             return false;
+        }
+    }
     return true;
 }
 
@@ -71,8 +74,9 @@ static struct table_entry **find_link(const struct table *table, const char *nam
     while (*link != NULL) {
         const struct table_entry *entry = *link;
         if (entry->hash == hash && entry->length == length &&
-            same_text(table->kind, entry->name, name, length))
+            same_text(table->kind, entry->name, name, length)) {
             break;
+        }
         link = &(*link)->next;
     }
     return link;
@@ -80,8 +84,9 @@ static struct table_entry **find_link(const struct table *table, const char *nam
 
 void *table_find_text(const struct table *table, const char *name, size_t length)
 {
-    if (table->count == 0)
+    if (table->count == 0) {
         return NULL;
+    }
     const struct table_entry *entry =
         *find_link(table, name, length, hash_name(table->kind, name, length));
     return entry == NULL ? NULL : entry->value;
@@ -116,8 +121,9 @@ static struct table_entry *new_entry(const char *name, size_t length, uint32_t h
 
 void *table_put(struct table *table, const char *name, void *value)
 {
-    if (table->count >= table->n_slots)
+    if (table->count >= table->n_slots) {
         grow(table);
+    }
     size_t length = strlen(name);
     uint32_t hash = hash_name(table->kind, name, length);
     struct table_entry **link = find_link(table, name, length, hash);
@@ -135,14 +141,16 @@ void *table_put(struct table *table, const char *name, void *value)
 
 void *table_remove(struct table *table, const char *name)
 {
-    if (table->count == 0)
+    if (table->count == 0) {
         return NULL;
+    }
     size_t length = strlen(name);
     struct table_entry **link =
         find_link(table, name, length, hash_name(table->kind, name, length));
     struct table_entry *entry = *link;
-    if (entry == NULL)
+    if (entry == NULL) {
         return NULL;
+    }
     void *value = entry->value;
     *link = entry->next;
     list_remove(&entry->order);

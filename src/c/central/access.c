@@ -172,7 +172,7 @@ int access_next(struct access *access)
         return -1;
     }
     const uint64_t n_looked_up = resolver_n_done(access->resolver);
-    LIST_EACH(at, following, &access->waiting) {
+    LIST_EACH (at, following, &access->waiting) {
         struct newcomer *newcomer = LIST_OWNER(at, struct newcomer, in_waiting);
         if (!is_due(access, newcomer)) {
             continue;
@@ -200,7 +200,7 @@ uint64_t access_deadline_ns(const struct access *access)
 void access_fini(struct access *access)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &access->waiting) {
+    LIST_EACH (at, following, &access->waiting) {
         struct newcomer *newcomer = LIST_OWNER(at, struct newcomer, in_waiting);
         net_close(newcomer->fd);
         remove_newcomer(access, newcomer);

@@ -16,8 +16,8 @@ struct encoded {
     enum byte_order order;
 };
 
-static void send(struct server *server, const struct dispatch *request,
-                 const struct encoded *value, enum outbox_urgency urgency)
+static void send(struct server *server, const struct dispatch *request, const struct encoded *value,
+                 enum outbox_urgency urgency)
 {
     struct frame frame;
     const struct log_reply reply = {SERVER_NAME,  value->bytes, value->length,

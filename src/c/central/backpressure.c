@@ -21,8 +21,8 @@ static uint64_t end_of_patience(const struct server *server, const struct resour
 void backpressure_apply(struct server *server, struct module *sender, struct resource *resource)
 {
     if (!is_crowded(server, resource) || resource->owner->when_full != WHEN_FULL_WAIT ||
-        sender == NULL || sender == resource->owner || module_waits(sender) ||
-        sender->deaf || sender->input_ended || /* it is about to end, little more can come */
+        sender == NULL || sender == resource->owner || module_waits(sender) || sender->deaf ||
+        sender->input_ended || /* it is about to end, little more can come */
         server->now_ns >= end_of_patience(server, resource)) {
         return;
     }
@@ -44,7 +44,7 @@ static void go_on(struct server *server, struct module *sender)
 void backpressure_end(struct server *server, struct resource *resource)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &resource->waited_for_by) {
+    LIST_EACH (at, following, &resource->waited_for_by) {
         go_on(server, LIST_OWNER(at, struct module, in_waiting_for));
     }
     list_remove(&resource->in_crowded);
@@ -68,7 +68,7 @@ uint64_t backpressure_check(struct server *server)
 {
     uint64_t next = UINT64_MAX;
     struct list *at, *following;
-    LIST_EACH(at, following, &server->crowded) {
+    LIST_EACH (at, following, &server->crowded) {
         struct resource *resource = LIST_OWNER(at, struct resource, in_crowded);
         const uint64_t end = end_of_patience(server, resource);
         if (server->now_ns >= end) {

@@ -34,7 +34,7 @@ void broadcasts_tell(struct server *server)
     struct name_list list = {0, 0, NULL};
     list.names = mem_new(server->n_active_broadcasts * sizeof *list.names);
     struct list *at, *following;
-    LIST_EACH(at, following, &server->active_broadcasts) {
+    LIST_EACH (at, following, &server->active_broadcasts) {
         list.names[list.used++] = LIST_OWNER(at, struct message, in_broadcasts)->name;
     }
     list.room = list.used;

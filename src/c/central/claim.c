@@ -101,7 +101,7 @@ static void withdraw_from(struct server *server, struct resource *resource,
                           const struct module *module)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &resource->claims) {
+    LIST_EACH (at, following, &resource->claims) {
         struct dispatch *request = LIST_OWNER(at, struct dispatch, link);
         if (request->sender == module) {
             forget(server, request);
@@ -115,9 +115,9 @@ void claim_withdraw_all(struct server *server, struct module *module)
     if (module->n_claims == 0) {
         return;
     }
-    LIST_EACH(outer, after, &server->modules) {
+    LIST_EACH (outer, after, &server->modules) {
         struct module *owner = LIST_OWNER(outer, struct module, in_server);
-        LIST_EACH(at, following, &owner->resources) {
+        LIST_EACH (at, following, &owner->resources) {
             withdraw_from(server, LIST_OWNER(at, struct resource, in_owner), module);
         }
     }

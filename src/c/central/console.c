@@ -88,9 +88,9 @@ static void show_status(struct console *console, const char *argument)
     struct list *outer, *after, *at, *following;
     (void)argument;
     log_always(&server->log, "Resource status\n");
-    LIST_EACH(outer, after, &server->modules) {
+    LIST_EACH (outer, after, &server->modules) {
         const struct module *module = LIST_OWNER(outer, struct module, in_server);
-        LIST_EACH(at, following, &module->resources) {
+        LIST_EACH (at, following, &module->resources) {
             show_resource(&server->log, LIST_OWNER(at, struct resource, in_owner));
         }
     }
@@ -246,11 +246,9 @@ static const struct command commands[] = {
     {"dump", NULL, dump},
     {"quit", NULL, quit},
     {"modules", "modules : Display what the connected modules send and get.\n", show_modules},
-    {"messages",
-     "messages [all]: Display how often messages are sent, and what waits of them.\n",
+    {"messages", "messages [all]: Display how often messages are sent, and what waits of them.\n",
      show_messages},
-    {"queues", "queues : Display what is under way to the modules, and what waits.\n",
-     show_queues},
+    {"queues", "queues : Display what is under way to the modules, and what waits.\n", show_queues},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };

@@ -229,7 +229,7 @@ static void hear(struct server *server, struct module *module)
 void conversation_turn(struct server *server)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &server->input) {
+    LIST_EACH (at, following, &server->input) {
         hear(server, LIST_OWNER(at, struct module, in_input));
     }
     ending_carry_out(server);

@@ -55,8 +55,7 @@ struct dispatch {
 
     const uint8_t *data;
     uint32_t data_length;
-    struct block
-        *block; /* keeps data alive; NULL: they are in small, or only good for this moment */
+    struct block *block; /* keeps data alive; NULL: in small, or only good for this moment */
     uint8_t small[DISPATCH_SMALL];
 };
 

@@ -45,7 +45,7 @@ void drops_count(struct server *server, struct resource *resource, const struct 
 void drops_tell_end(struct server *server, struct resource *resource)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &resource->losses) {
+    LIST_EACH (at, following, &resource->losses) {
         struct loss *loss = LIST_OWNER(at, struct loss, in_resource);
         log_warning(&server->log, resource->owner,
                     "the queue of %s was full: %" PRIu64 " of %s were dropped", resource->name,

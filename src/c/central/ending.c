@@ -57,7 +57,7 @@ static void take_subscriptions(struct module *module, struct list *taken)
     for (struct table_entry *entry = table_first(&module->handlers); entry != NULL;
          entry = table_next(&module->handlers, entry)) {
         struct handler *handler = entry->value;
-        LIST_EACH(at, following, &handler->subscriptions) {
+        LIST_EACH (at, following, &handler->subscriptions) {
             subscription_detach(LIST_OWNER(at, struct subscription, in_handler));
             list_remove(at);
             list_append(taken, at);
@@ -68,7 +68,7 @@ static void take_subscriptions(struct module *module, struct list *taken)
 static void free_resources(struct server *server, struct module *module)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &module->resources) {
+    LIST_EACH (at, following, &module->resources) {
         struct resource *resource = LIST_OWNER(at, struct resource, in_owner);
         struct list lost;
         list_init(&lost);
@@ -88,17 +88,17 @@ static void tell_changes(struct server *server, struct list *taken)
 {
     bool changed = false;
     struct list *at, *following;
-    LIST_EACH(at, following, taken) {
+    LIST_EACH (at, following, taken) {
         LIST_OWNER(at, struct subscription, in_handler)->message->has_lost_handlers = true;
     }
-    LIST_EACH(at, following, taken) {
+    LIST_EACH (at, following, taken) {
         struct message *message = LIST_OWNER(at, struct subscription, in_handler)->message;
         if (message->has_lost_handlers) {
             message->has_lost_handlers = false;
             handler_list_changed(server, message); /* once, however many it has lost */
         }
     }
-    LIST_EACH(at, following, taken) {
+    LIST_EACH (at, following, taken) {
         struct subscription *subscription = LIST_OWNER(at, struct subscription, in_handler);
         struct message *message = subscription->message;
         changed |= broadcasts_put(server, message, message->n_subscriptions);
@@ -142,7 +142,7 @@ void ending(struct server *server, struct module *module, enum ending why)
     tell_changes(server, &taken);
     handler_free_all(module);
     table_fini(&module->provides);
-    table_fini(&module->requires);
+    table_fini(&module->needs);
     if (was_introduced) {
         notify(server, LM_DISCONNECTED, module);
     }
@@ -175,7 +175,7 @@ void ending_carry_out(struct server *server)
 void ending_sweep(struct server *server)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &server->ended) {
+    LIST_EACH (at, following, &server->ended) {
         list_remove(at);
         module_unref(LIST_OWNER(at, struct module, in_state));
     }

@@ -262,7 +262,7 @@ static bool waits_for(const struct dispatch *dispatch, const struct handler *han
 void flow_adopt(struct server *server, struct message *message, struct handler *handler)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &message->waiting) {
+    LIST_EACH (at, following, &message->waiting) {
         struct dispatch *dispatch = LIST_OWNER(at, struct dispatch, link);
         if (!waits_for(dispatch, handler)) {
             continue;
@@ -331,7 +331,7 @@ void flow_release(struct server *server, struct resource *resource)
 void flow_release_all(struct server *server, struct module *module)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &module->resources) {
+    LIST_EACH (at, following, &module->resources) {
         flow_release(server, LIST_OWNER(at, struct resource, in_owner));
     }
 }
@@ -357,7 +357,7 @@ void flow_finish(struct server *server, struct dispatch *dispatch)
 static void move_queue(struct server *server, struct pending *queue, const struct handler *handler)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &queue->by_age) {
+    LIST_EACH (at, following, &queue->by_age) {
         struct dispatch *dispatch =
             LIST_OWNER(LIST_OWNER(at, struct pending_item, by_age), struct dispatch, waiting);
         if (dispatch->handler == handler) {

@@ -44,7 +44,7 @@ void handler_free_all(struct module *module)
 struct subscription *subscription_find(const struct handler *handler, const struct message *message)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &handler->subscriptions) {
+    LIST_EACH (at, following, &handler->subscriptions) {
         struct subscription *subscription = LIST_OWNER(at, struct subscription, in_handler);
         if (subscription->message == message) {
             return subscription;

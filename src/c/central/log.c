@@ -240,7 +240,8 @@ void log_file(struct log *log, const char *format, ...)
     write_line(log, format, arguments);
     va_end(arguments);
     if (log_is_open(log, LOG_FILE)) {
-        sink_put(&log->file.sink, log->line.bytes, log->line.length); /* as it is, empty lines too */
+        sink_put(&log->file.sink, log->line.bytes,
+                 log->line.length); /* as it is, empty lines too */
     }
 }
 

@@ -186,9 +186,12 @@ void log_write_sent(struct log *log, struct dispatch *dispatch, const char *rece
         }
     }
     put_own_data(log, dispatch);
-    const struct log_step step = {.step = "sent", .dispatch = dispatch,
-                                  .from = dispatch_sender_name(dispatch), .to = receiver,
-                                  .bytes = &dispatch->data_length, .data = &log->value};
+    const struct log_step step = {.step = "sent",
+                                  .dispatch = dispatch,
+                                  .from = dispatch_sender_name(dispatch),
+                                  .to = receiver,
+                                  .bytes = &dispatch->data_length,
+                                  .data = &log->value};
     log_json_step(log, &step);
 }
 
@@ -202,8 +205,10 @@ void log_write_queued(struct log *log, const struct dispatch *dispatch, const ch
             end_line(log, which, &stamp);
         }
     }
-    const struct log_step step = {.step = "queued", .dispatch = dispatch,
-                                  .from = dispatch_sender_name(dispatch), .resource = resource};
+    const struct log_step step = {.step = "queued",
+                                  .dispatch = dispatch,
+                                  .from = dispatch_sender_name(dispatch),
+                                  .resource = resource};
     log_json_step(log, &step);
 }
 
@@ -217,8 +222,10 @@ void log_request_waits(struct log *log, const struct dispatch *dispatch)
             end_line(log, which, &stamp);
         }
     }
-    const struct log_step step = {.step = "queued", .dispatch = dispatch,
-                                  .from = dispatch_sender_name(dispatch), .to = SERVER_NAME};
+    const struct log_step step = {.step = "queued",
+                                  .dispatch = dispatch,
+                                  .from = dispatch_sender_name(dispatch),
+                                  .to = SERVER_NAME};
     log_json_step(log, &step);
 }
 
@@ -234,11 +241,13 @@ void log_write_released(struct log *log, struct dispatch *dispatch)
         }
     }
     put_own_data(log, dispatch);
-    const struct log_step step = {.step = "released", .dispatch = dispatch,
+    const struct log_step step = {.step = "released",
+                                  .dispatch = dispatch,
                                   .from = dispatch_sender_name(dispatch),
                                   .to = dispatch->resource->owner->name,
                                   .resource = dispatch->resource->name,
-                                  .bytes = &dispatch->data_length, .data = &log->value};
+                                  .bytes = &dispatch->data_length,
+                                  .data = &log->value};
     log_json_step(log, &step);
 }
 
@@ -275,8 +284,8 @@ void log_failed(struct log *log, const struct dispatch *dispatch, const char *re
             end_line(log, which, &stamp);
         }
     }
-    const struct log_step step = {.step = "failed", .dispatch = dispatch,
-                                  .reason = reason, .reason_length = length};
+    const struct log_step step = {
+        .step = "failed", .dispatch = dispatch, .reason = reason, .reason_length = length};
     log_json_step(log, &step);
 }
 
@@ -306,9 +315,12 @@ void log_replied(struct log *log, const struct dispatch *dispatch, const struct 
         put_data(log, dispatch->message);
     }
     const uint32_t bytes = (uint32_t)reply->length;
-    const struct log_step step = {.step = "replied", .dispatch = dispatch,
-                                  .from = reply->replier, .to = dispatch_sender_name(dispatch),
-                                  .bytes = &bytes, .data = &log->value};
+    const struct log_step step = {.step = "replied",
+                                  .dispatch = dispatch,
+                                  .from = reply->replier,
+                                  .to = dispatch_sender_name(dispatch),
+                                  .bytes = &bytes,
+                                  .data = &log->value};
     log_json_step(log, &step);
 }
 
@@ -356,7 +368,7 @@ void log_transferred(struct log *log, const struct dispatch *dispatch,
             log_put_line(log, which);
         }
     }
-    const struct log_step step = {.step = "transferred", .dispatch = dispatch,
-                                  .resource = resource->name};
+    const struct log_step step = {
+        .step = "transferred", .dispatch = dispatch, .resource = resource->name};
     log_json_step(log, &step);
 }

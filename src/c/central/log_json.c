@@ -50,8 +50,7 @@ static size_t sequence_length(const uint8_t *at, size_t left)
         }
     }
     const bool is_surrogate = at[0] == 0xED && at[1] >= 0xA0;
-    const bool is_too_long =
-        (at[0] == 0xE0 && at[1] < 0xA0) || (at[0] == 0xF0 && at[1] < 0x90);
+    const bool is_too_long = (at[0] == 0xE0 && at[1] < 0xA0) || (at[0] == 0xF0 && at[1] < 0x90);
     const bool is_too_high = at[0] == 0xF4 && at[1] >= 0x90;
     return length > 2 && (is_surrogate || is_too_long || is_too_high) ? 0 : length;
 }

@@ -73,8 +73,8 @@ static void start_reading_input(struct loop *loop)
 {
     loop->reads_input = console_listens(&loop->console);
     if (loop->reads_input) {
-        resend_set_asking(loop->server, loop->console.at_terminal &&
-                                            loop->server->options->read_commands);
+        resend_set_asking(loop->server,
+                          loop->console.at_terminal && loop->server->options->read_commands);
         loop->input_is_unwatched =
             poller_add(loop->poller, STREAM_INPUT, READY_READ, &loop->console) != 0;
     }
@@ -280,7 +280,7 @@ static uint64_t write_rest(struct loop *loop)
     struct list *at, *following;
     log_flush(&server->log);
     uint64_t unsent = sink_waiting(&server->log.terminal);
-    LIST_EACH(at, following, &server->modules) {
+    LIST_EACH (at, following, &server->modules) {
         struct module *module = LIST_OWNER(at, struct module, in_server);
         flush_module(loop, module);
         unsent += module->deaf ? 0 : link_waiting(&module->link);

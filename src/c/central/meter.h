@@ -16,8 +16,8 @@ struct amount {
 
 struct meter {
     struct amount total;
-    struct amount second;  /* the one that began at second_ns */
-    struct amount before;  /* the one before; nothing if it was not right before */
+    struct amount second; /* the one that began at second_ns */
+    struct amount before; /* the one before; nothing if it was not right before */
     uint64_t second_ns;
 };
 

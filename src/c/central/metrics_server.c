@@ -135,9 +135,8 @@ static int listen_on_port(struct metrics_server *metrics, const char *address)
 
 int metrics_server_open(struct metrics_server *metrics, const char *address)
 {
-    const int error = address[0] == '/'
-                          ? net_listen_local(address, SOCKET_MODE, &metrics->local)
-                          : listen_on_port(metrics, address);
+    const int error = address[0] == '/' ? net_listen_local(address, SOCKET_MODE, &metrics->local)
+                                        : listen_on_port(metrics, address);
     if (error != 0) {
         return error;
     }

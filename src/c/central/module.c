@@ -32,7 +32,7 @@ struct module *module_new(int fd, uint64_t now_ns)
     list_init(&module->held);
     table_init(&module->handlers, TABLE_FOLDING);
     table_init(&module->provides, TABLE_FOLDING);
-    table_init(&module->requires, TABLE_FOLDING);
+    table_init(&module->needs, TABLE_FOLDING);
     return module;
 }
 
@@ -84,7 +84,7 @@ void module_unref(struct module *module)
 struct resource *module_find_resource(const struct module *module, const char *name)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &module->resources) {
+    LIST_EACH (at, following, &module->resources) {
         struct resource *resource = LIST_OWNER(at, struct resource, in_owner);
         if (table_same_name(TABLE_FOLDING, resource->name, name)) {
             return resource;

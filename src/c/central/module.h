@@ -40,13 +40,13 @@ struct module {
     int shown_fd; /* the descriptor as the log shows it, also after the end */
     struct link link;
 
-    struct list in_server; /* all connections, in order of arrival */
-    struct list in_state;  /* of the greeted or the waiting ones, in order of arrival; of the
+    struct list in_server;    /* all connections, in order of arrival */
+    struct list in_state;     /* of the greeted or the waiting ones, in order of arrival; of the
                               ended ones */
-    struct list same_name; /* once introduced */
+    struct list same_name;    /* once introduced */
     struct list in_condemned; /* of the server: its connection ends soon */
     uint64_t accepted_ns;
-    int polled; /* what the poller tells of its socket, READY_READ | READY_WRITE */
+    int polled;       /* what the poller tells of its socket, READY_READ | READY_WRITE */
     bool in_order;    /* its library has the ability ABILITY_IN_ORDER */
     bool takes_ahead; /* ... ABILITY_AHEAD */
 
@@ -55,8 +55,8 @@ struct module {
     struct meter gets;  /* deliveries */
 
     /* Input. */
-    struct list in_input; /* has bytes that are not handled yet */
-    bool input_ended;     /* no more bytes will come */
+    struct list in_input;       /* has bytes that are not handled yet */
+    bool input_ended;           /* no more bytes will come */
     struct list in_waiting_for; /* of the resource for which it waits: it is not read meanwhile */
 
     /* Output. */
@@ -69,16 +69,16 @@ struct module {
 
     /* From MODULE_INTRODUCED on. */
     struct resource *own;
-    struct list resources; /* own is the first */
+    struct list resources;    /* own is the first */
     enum when_full when_full; /* what becomes of its queues then */
-    uint64_t finished_ns;  /* when it last reported a delivery finished */
+    uint64_t finished_ns;     /* when it last reported a delivery finished */
     size_t n_resources;
     struct table handlers;          /* name -> struct handler */
     struct list due;                /* subscriptions whose watched variable has a new value */
     struct list in_due;             /* of the server, when something has been written since */
     struct dispatch *start_request; /* while MODULE_WAITING */
     struct table provides;          /* names; the values mean nothing */
-    struct table requires;
+    struct table needs;
     struct list held; /* requests of it that lock or reserve something */
     size_t n_claims;  /* these, and those that wait */
     int direct_port;  /* NO_PORT: it has announced none */

@@ -423,8 +423,7 @@ struct option {
 /* In the order of the listings.  The spelling of what -h lists is as old as the program: scripts
  * compare it. */
 static const struct option table[] = {
-    {'v', "version", "", "-v", USE_TYPED_OR_ALONE, show_version,
-     "display server version info.\n"},
+    {'v', "version", "", "-v", USE_TYPED_OR_ALONE, show_version, "display server version info.\n"},
     {'h', "help", "", NULL, USE_TYPED_OR_ALONE, show_help, "list the options.\n"},
     {'l', "log", "[=<letters>]", "-l", USE_ANYWHERE, switch_terminal,
      "logging onto terminal.\n"
@@ -575,8 +574,7 @@ static bool is_word(const char *argument)
 static int act(const struct option *option, const struct action *action)
 {
     if (action->typed && option->use == USE_AT_START) {
-        text_append(action->output->out, "The %s cannot be changed while running\n",
-                    option->word);
+        text_append(action->output->out, "The %s cannot be changed while running\n", option->word);
         return 0;
     }
     return option->act(action);
@@ -665,7 +663,7 @@ void options_init(struct options *options)
 void options_fini(struct options *options)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &options->ignored) {
+    LIST_EACH (at, following, &options->ignored) {
         free(LIST_OWNER(at, struct ignored_name, in_options));
     }
     full_policies_fini(&options->when_full);

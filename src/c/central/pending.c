@@ -151,13 +151,13 @@ static void rebuild_runs(struct pending *queue)
     struct list old;
     struct list *at, *following, *inner, *after;
     list_init(&old);
-    LIST_EACH(at, following, &queue->runs) {
+    LIST_EACH (at, following, &queue->runs) {
         list_remove(at);
         list_append(&old, at);
     }
-    LIST_EACH(at, following, &old) {
+    LIST_EACH (at, following, &old) {
         struct run *run = LIST_OWNER(at, struct run, in_queue);
-        LIST_EACH(inner, after, &run->places) {
+        LIST_EACH (inner, after, &run->places) {
             struct place *place = LIST_OWNER(inner, struct place, in_run);
             list_remove(inner);
             join_run(place, run_before(queue, &queue->runs, place->flow->subject->priority));
@@ -170,7 +170,7 @@ void pending_subject_set_priority(struct pending_subject *subject, int priority)
 {
     struct list *at, *following;
     subject->priority = priority < 0 ? NO_PRIORITY : priority;
-    LIST_EACH(at, following, &subject->flows) {
+    LIST_EACH (at, following, &subject->flows) {
         struct pending_flow *flow = LIST_OWNER(at, struct pending_flow, of_subject);
         if (flow->count > 0) {
             rebuild_runs(flow->queue);

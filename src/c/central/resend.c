@@ -51,9 +51,8 @@ static void send_all_again(struct server *server, struct list *dispatches)
 
 static struct loss *first_loss(const struct server *server)
 {
-    return list_is_empty(&server->losses)
-               ? NULL
-               : LIST_OWNER(server->losses.next, struct loss, in_server);
+    return list_is_empty(&server->losses) ? NULL
+                                          : LIST_OWNER(server->losses.next, struct loss, in_server);
 }
 
 static void free_loss(struct server *server, struct loss *loss)
@@ -71,7 +70,8 @@ static void ask(struct server *server)
         return;
     }
     if (loss->wanted) {
-        log_question(&server->log, "Resend %s message?", first_of(&loss->dispatches)->message->name);
+        log_question(&server->log, "Resend %s message?",
+                     first_of(&loss->dispatches)->message->name);
     } else {
         log_question(&server->log, "\a\aResend active and/or pending messages for the %s resource?",
                      loss->resource);

@@ -33,7 +33,7 @@ struct resource {
     size_t ahead_bytes; /* data of these */
     bool limited;       /* a limit has been set, so what waits may have to be dropped */
     struct pending pending;
-    uint64_t dropped; /* of pending, because it was full */
+    uint64_t dropped;   /* of pending, because it was full */
     struct list losses; /* what a burst of too many has cost, first lost first: see drops.h */
     struct intmap lost; /* the same by message */
     struct list waited_for_by; /* modules that have filled pending and are not read meanwhile */

@@ -11,7 +11,7 @@ static void route_copies(struct server *server, struct module *sender, const str
 {
     struct block *shared = frame->block == NULL ? NULL : block_ref(frame->block);
     struct list *at, *following;
-    LIST_EACH(at, following, &message->subscriptions) {
+    LIST_EACH (at, following, &message->subscriptions) {
         struct dispatch *dispatch = dispatch_new(&server->dispatches, message, sender, frame);
         dispatch->handler = LIST_OWNER(at, struct subscription, in_message)->handler;
         flow_enter(server, dispatch, &shared);
@@ -24,7 +24,7 @@ static void route_to_taps(struct server *server, struct module *sender, const st
                           const struct message *message)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &message->taps) {
+    LIST_EACH (at, following, &message->taps) {
         const struct tap_entry *tap = LIST_OWNER(at, struct tap_entry, in_message);
         if (tap->condition == TAP_WHEN_SENT) {
             route_copies(server, sender, frame, tap->listening);
@@ -47,7 +47,7 @@ struct handler *route_choose(const struct server *server, const struct message *
 {
     struct handler *best = NULL;
     struct list *at, *following;
-    LIST_EACH(at, following, &message->subscriptions) {
+    LIST_EACH (at, following, &message->subscriptions) {
         struct handler *handler = LIST_OWNER(at, struct subscription, in_message)->handler;
         if (flow_is_free(server, handler->resource, sender)) {
             return handler;

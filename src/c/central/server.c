@@ -75,7 +75,7 @@ static struct variable *define_list_variable(struct server *server, const char *
 void server_ignore_names(struct server *server)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &server->options->ignored) {
+    LIST_EACH (at, following, &server->options->ignored) {
         const struct ignored_name *ignored = LIST_OWNER(at, struct ignored_name, in_options);
         struct message *message = message_get(&server->messages, ignored->name);
         if (message != NULL) {

@@ -20,12 +20,12 @@
 #include "wire/catalogue.h"
 
 struct statistics {
-    struct meter read;   /* frames handled, with their class data and data */
-    uint64_t n_dropped;  /* deliveries given up because a queue was full */
-    uint64_t n_modules;  /* connections now */
+    struct meter read;  /* frames handled, with their class data and data */
+    uint64_t n_dropped; /* deliveries given up because a queue was full */
+    uint64_t n_modules; /* connections now */
     uint64_t peak_modules;
-    uint64_t n_accepted; /* connections ever */
-    uint64_t n_refused;  /* newcomers by access control */
+    uint64_t n_accepted;           /* connections ever */
+    uint64_t n_refused;            /* newcomers by access control */
     uint64_t n_without_descriptor; /* newcomers refused because there were none left */
     uint32_t shortest_body;
     uint32_t longest_body;
@@ -69,14 +69,14 @@ struct server {
     struct namesakes resource_names;
 
     /* Work of this turn. */
-    struct list input;  /* modules with bytes to handle */
-    bool holding; /* a watched variable has a new value, behind which everything waits */
-    struct list urgent; /* modules to flush first */
-    struct list flush;  /* the other modules to flush */
-    struct list due;    /* modules to which due values of variables may go now */
+    struct list input;     /* modules with bytes to handle */
+    bool holding;          /* a watched variable has a new value, behind which everything waits */
+    struct list urgent;    /* modules to flush first */
+    struct list flush;     /* the other modules to flush */
+    struct list due;       /* modules to which due values of variables may go now */
     struct list condemned; /* modules whose connections end with the turn */
-    struct list ended;  /* modules to let go at the end of the turn */
-    struct list crowded; /* resources for which senders wait */
+    struct list ended;     /* modules to let go at the end of the turn */
+    struct list crowded;   /* resources for which senders wait */
 
     /* What ended modules have lost, while somebody is asked whether to send it again. */
     bool asks_before_resending;

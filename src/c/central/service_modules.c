@@ -35,7 +35,7 @@ void service_processes(struct request *request)
     struct list *at, *following;
     list.processes = mem_new(MOST * sizeof *list.processes);
     if (modules != NULL) {
-        LIST_EACH(at, following, modules) {
+        LIST_EACH (at, following, modules) {
             const struct module *module = LIST_OWNER(at, struct module, same_name);
             if (list.count < MOST) {
                 list.processes[list.count].process = owner_of_peer(module->link.fd);
@@ -101,7 +101,7 @@ static void tell_port(struct server *server, const struct module *module)
     for (struct table_entry *entry = table_first(&module->handlers); entry != NULL;
          entry = table_next(&module->handlers, entry)) {
         const struct handler *handler = entry->value;
-        LIST_EACH(at, following, &handler->subscriptions) {
+        LIST_EACH (at, following, &handler->subscriptions) {
             handler_list_changed(server, LIST_OWNER(at, struct subscription, in_handler)->message);
         }
     }
@@ -172,7 +172,7 @@ void service_provides(struct request *request)
 
 void service_requires(struct request *request)
 {
-    add_names(request, &request->module->requires);
+    add_names(request, &request->module->needs);
 }
 
 /* Adds the names of a table to a list that has room for them. */
@@ -189,12 +189,12 @@ void service_available(struct request *request)
     struct name_list list = {0, 0, NULL};
     struct list *at, *following;
     size_t room = server->resource_names.groups.count;
-    LIST_EACH(at, following, &server->modules) {
+    LIST_EACH (at, following, &server->modules) {
         room += LIST_OWNER(at, struct module, in_server)->provides.count;
     }
     list.names = mem_new(room * sizeof *list.names);
     list_names(&list, &server->resource_names.groups);
-    LIST_EACH(at, following, &server->modules) {
+    LIST_EACH (at, following, &server->modules) {
         list_names(&list, &LIST_OWNER(at, struct module, in_server)->provides);
     }
     list.room = list.used;

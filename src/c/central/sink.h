@@ -18,7 +18,7 @@
 #include "platform/process.h"
 
 struct sink {
-    int fd; /* -1: none, text only gathers (tests) */
+    int fd;                       /* -1: none, text only gathers (tests) */
     struct stream_writer *writer; /* of a file, NULL: written directly */
     struct buffer waiting;
     size_t start;  /* of what has not left yet */

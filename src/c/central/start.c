@@ -20,7 +20,7 @@ static bool is_provided(const struct server *server, const char *name)
         namesakes_find(&server->resource_names, name) != NULL) {
         return true;
     }
-    LIST_EACH(at, following, &server->modules) {
+    LIST_EACH (at, following, &server->modules) {
         if (provides(LIST_OWNER(at, struct module, in_server), name)) {
             return true;
         }
@@ -30,8 +30,8 @@ static bool is_provided(const struct server *server, const char *name)
 
 static bool has_what_it_requires(const struct server *server, const struct module *module)
 {
-    for (struct table_entry *entry = table_first(&module->requires); entry != NULL;
-         entry = table_next(&module->requires, entry)) {
+    for (struct table_entry *entry = table_first(&module->needs); entry != NULL;
+         entry = table_next(&module->needs, entry)) {
         if (!is_provided(server, entry->name)) {
             return false;
         }
@@ -67,7 +67,7 @@ void start_check(struct server *server)
     if (!server->started) {
         return;
     }
-    LIST_EACH(at, following, &server->waiting) {
+    LIST_EACH (at, following, &server->waiting) {
         struct module *module = LIST_OWNER(at, struct module, in_state);
         if (has_what_it_requires(server, module)) {
             let_start(server, module, stop_waiting(server, module));

@@ -11,9 +11,9 @@ static struct amount waiting(const struct server *server)
     const struct table *names = &server->messages.names;
     struct amount sum = {0, 0};
     struct list *outer, *after, *at, *following;
-    LIST_EACH(outer, after, &server->modules) {
+    LIST_EACH (outer, after, &server->modules) {
         const struct module *module = LIST_OWNER(outer, struct module, in_server);
-        LIST_EACH(at, following, &module->resources) {
+        LIST_EACH (at, following, &module->resources) {
             const struct resource *resource = LIST_OWNER(at, struct resource, in_owner);
             sum.messages +=
                 resource->n_ahead + resource->pending.count + resource->holders_own.count;

@@ -98,7 +98,7 @@ void tables_modules(const struct server *server, struct buffer *out)
     static const char name_title[] = "Module", host_title[] = "Host";
     int name_width = (int)sizeof name_title - 1, host_width = (int)sizeof host_title - 1;
     struct list *at, *following;
-    LIST_EACH(at, following, &server->modules) {
+    LIST_EACH (at, following, &server->modules) {
         const struct module *module = LIST_OWNER(at, struct module, in_server);
         widen(&name_width, module->name);
         widen(&host_width, module->host);
@@ -111,7 +111,7 @@ void tables_modules(const struct server *server, struct buffer *out)
     add_meter_titles(out, "Gets");
     add_title(out, "Unread");
     end_row(out);
-    LIST_EACH(at, following, &server->modules) {
+    LIST_EACH (at, following, &server->modules) {
         const struct module *module = LIST_OWNER(at, struct module, in_server);
         add_name(out, name_width, module->name);
         text_append(out, " ");
@@ -136,7 +136,7 @@ static uint64_t waiting_of(const struct message *message)
 {
     uint64_t count = message->n_waiting;
     struct list *at, *following;
-    LIST_EACH(at, following, &message->subject.flows) {
+    LIST_EACH (at, following, &message->subject.flows) {
         count += LIST_OWNER(at, struct pending_flow, of_subject)->count;
     }
     return count;
@@ -185,7 +185,7 @@ static uint64_t length_of(const struct list *list)
 {
     uint64_t length = 0;
     struct list *at, *following;
-    LIST_EACH(at, following, list) {
+    LIST_EACH (at, following, list) {
         length++;
     }
     return length;
@@ -198,8 +198,7 @@ static void add_resource(struct buffer *out, int width, const struct resource *r
     add_amount(out, (uint64_t)resource->capacity);
     add_amount(out, resource->attending);
     add_amount(out, resource->n_ahead + resource->pending.count + resource->holders_own.count);
-    add_amount(out,
-               resource->ahead_bytes + resource->pending.bytes + resource->holders_own.bytes);
+    add_amount(out, resource->ahead_bytes + resource->pending.bytes + resource->holders_own.bytes);
     add_amount(out, resource->dropped);
     add_amount(out, length_of(&resource->waited_for_by));
     end_row(out);
@@ -208,9 +207,9 @@ static void add_resource(struct buffer *out, int width, const struct resource *r
 static void add_resources(const struct server *server, struct buffer *out, int width)
 {
     struct list *outer, *after, *at, *following;
-    LIST_EACH(outer, after, &server->modules) {
+    LIST_EACH (outer, after, &server->modules) {
         const struct module *module = LIST_OWNER(outer, struct module, in_server);
-        LIST_EACH(at, following, &module->resources) {
+        LIST_EACH (at, following, &module->resources) {
             add_resource(out, width, LIST_OWNER(at, struct resource, in_owner));
         }
     }
@@ -234,9 +233,9 @@ static int widest_queue(const struct server *server, int width)
 {
     const struct table *names = &server->messages.names;
     struct list *outer, *after, *at, *following;
-    LIST_EACH(outer, after, &server->modules) {
+    LIST_EACH (outer, after, &server->modules) {
         const struct module *module = LIST_OWNER(outer, struct module, in_server);
-        LIST_EACH(at, following, &module->resources) {
+        LIST_EACH (at, following, &module->resources) {
             widen(&width, LIST_OWNER(at, struct resource, in_owner)->name);
         }
     }

@@ -15,7 +15,7 @@ static struct tap_entry *find(const struct message *tapped, const struct message
     struct tap_entry *found = NULL;
     struct list *at, *following;
     *count = 0;
-    LIST_EACH(at, following, &tapped->taps) {
+    LIST_EACH (at, following, &tapped->taps) {
         struct tap_entry *tap = LIST_OWNER(at, struct tap_entry, in_message);
         if (tap->listening == listening && tap->condition == condition) {
             found = tap;
@@ -86,7 +86,7 @@ void tap_free_all(struct server *server)
     const struct table *names = &server->messages.names;
     struct list *inner, *after;
     for (struct table_entry *at = table_first(names); at != NULL; at = table_next(names, at)) {
-        LIST_EACH(inner, after, &message_of(at)->taps) {
+        LIST_EACH (inner, after, &message_of(at)->taps) {
             free(LIST_OWNER(inner, struct tap_entry, in_message));
         }
     }

@@ -7,8 +7,8 @@
 #include "central/own_request.h"
 #include "central/watch.h"
 
-int value_set(struct server *server, struct variable *variable, const uint8_t *bytes,
-              size_t length, enum byte_order order)
+int value_set(struct server *server, struct variable *variable, const uint8_t *bytes, size_t length,
+              enum byte_order order)
 {
     struct block *value = block_copy(bytes, length);
     if (value == NULL) {

@@ -8,8 +8,8 @@
 
 /* Sets an encoded value that is known to fit the format; tells those who watch.  0 or ERR_MEMORY.
  */
-int value_set(struct server *server, struct variable *variable, const uint8_t *bytes,
-              size_t length, enum byte_order order);
+int value_set(struct server *server, struct variable *variable, const uint8_t *bytes, size_t length,
+              enum byte_order order);
 
 /* Encodes and sets a value of one of the server's own variables, with the lines that the log has
  * for it. */

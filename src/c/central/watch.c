@@ -53,7 +53,7 @@ void watch_changed(struct server *server, const struct variable *variable)
 {
     const struct message *watch = variable_message(variable, MESSAGE_WATCH);
     struct list *at, *following;
-    LIST_EACH(at, following, &watch->subscriptions) {
+    LIST_EACH (at, following, &watch->subscriptions) {
         struct subscription *subscription = LIST_OWNER(at, struct subscription, in_message);
         struct module *module = subscription->handler->module;
         if (!module->in_order && may_go(subscription, false)) {
@@ -71,7 +71,7 @@ void watch_changed(struct server *server, const struct variable *variable)
 void watch_send_due(struct server *server, struct module *module, bool before_others)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &module->due) {
+    LIST_EACH (at, following, &module->due) {
         struct subscription *subscription = LIST_OWNER(at, struct subscription, in_due);
         if (may_go(subscription, before_others)) {
             list_remove(&subscription->in_due);
@@ -98,7 +98,7 @@ bool watch_settle(struct server *server)
 {
     const uint64_t before = server->dispatches.n_begun;
     struct list *at, *following;
-    LIST_EACH(at, following, &server->due) {
+    LIST_EACH (at, following, &server->due) {
         struct module *module = LIST_OWNER(at, struct module, in_due);
         list_remove(at);
         watch_send_due(server, module, module->later != NULL);

@@ -34,7 +34,7 @@ void full_policies_init(struct full_policies *policies)
 void full_policies_fini(struct full_policies *policies)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &policies->of_modules) {
+    LIST_EACH (at, following, &policies->of_modules) {
         free(LIST_OWNER(at, struct choice, in_policies));
     }
 }
@@ -72,7 +72,7 @@ int full_policies_set(struct full_policies *policies, const char *choice)
 enum when_full full_policies_of(const struct full_policies *policies, const char *module)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &policies->of_modules) {
+    LIST_EACH (at, following, &policies->of_modules) {
         const struct choice *choice = LIST_OWNER(at, struct choice, in_policies);
         if (table_same_name(TABLE_FOLDING, choice->module, module)) {
             return choice->policy;

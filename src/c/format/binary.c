@@ -39,14 +39,17 @@ static size_t measure_string(const char *text)
 static size_t measure_node(const struct type *type)
 {
     size_t length = 8 + (size_t)type->n_numbers * 4;
-    for (uint32_t i = 0; i < type->n_members; i++)
+    for (uint32_t i = 0; i < type->n_members; i++) {
         length += measure_node(type->members[i]);
-    for (uint32_t i = 0; i < type->n_names; i++)
+    }
+    for (uint32_t i = 0; i < type->n_names; i++) {
         length += measure_string(type->names[i]);
-    if (type->kind == TYPE_ENUMERATION)
+    }
+    if (type->kind == TYPE_ENUMERATION) {
         length += 4;
-    else if (type->kind == TYPE_POINTER || type->kind == TYPE_SELF)
+    } else if (type->kind == TYPE_POINTER || type->kind == TYPE_SELF) {
         length -= 3; /* a flag byte, not a number */
+    }
     return length;
 }
 
@@ -65,10 +68,11 @@ static uint8_t *write_string(uint8_t *to, const char *text, bool swap)
 {
     size_t length = strlen(text);
     to = write_number(to, (uint32_t)length, swap);
-    if (length == 0)
+    if (length == 0) {
         *to++ = FILLER;
-    else
+    } else {
         memcpy(to, text, length);
+    }
     return to + length;
 }
 
@@ -80,10 +84,12 @@ static uint8_t *write_compound(uint8_t *to, const struct type *type, enum node_k
 {
     to = write_number(to, (uint32_t)kind, swap);
     to = write_number(to, count, swap);
-    for (uint32_t i = 0; i < type->n_members; i++)
+    for (uint32_t i = 0; i < type->n_members; i++) {
         to = write_node(to, type->members[i], swap);
-    for (uint32_t i = 0; i < type->n_numbers; i++)
+    }
+    for (uint32_t i = 0; i < type->n_numbers; i++) {
         to = write_number(to, (uint32_t)type->numbers[i], swap);
+    }
     return to;
 }
 
@@ -92,8 +98,9 @@ static uint8_t *write_enumeration(uint8_t *to, const struct type *type, bool swa
     to = write_number(to, NODE_ENUMERATION, swap);
     to = write_number(to, type->n_names + 2, swap);
     to = write_number(to, (uint32_t)type->number, swap);
-    for (uint32_t i = 0; i < type->n_names; i++)
+    for (uint32_t i = 0; i < type->n_names; i++) {
         to = write_string(to, type->names[i], swap);
+    }
     return to;
 }
 
@@ -125,10 +132,12 @@ static uint8_t *write_node(uint8_t *to, const struct type *type, bool swap)
 
 uint8_t *binary_encode(const struct format *format, uint8_t *to, bool swap)
 {
-    if (format == NULL)
+    if (format == NULL) {
         return write_number(to, (uint32_t)NODE_NONE, swap);
-    if (format_is_bad(format))
+    }
+    if (format_is_bad(format)) {
         return write_number(to, NODE_BAD, swap);
+    }
     return write_node(to, format->type, swap);
 }
 
@@ -148,8 +157,9 @@ static size_t rest(const struct reader *r)
 
 static bool read_number(struct reader *r, int32_t *number)
 {
-    if (rest(r) < 4)
+    if (rest(r) < 4) {
         return false;
+    }
     *number = (int32_t)count_load(r->source.at, r->source.swap);
     r->source.at += 4;
     return true;
@@ -159,11 +169,13 @@ static bool read_number(struct reader *r, int32_t *number)
 static bool read_count(struct reader *r, int32_t least, size_t size, uint32_t *count)
 {
     int32_t number;
-    if (!read_number(r, &number) || number < least)
+    if (!read_number(r, &number) || number < least) {
         return false;
+    }
     *count = (uint32_t)(number - least);
-    if (*count > LIMIT_FORMAT_NODES - r->parts || *count > rest(r) / size)
+    if (*count > LIMIT_FORMAT_NODES - r->parts || *count > rest(r) / size) {
         return false;
+    }
     return true;
 }
 
@@ -172,8 +184,9 @@ static struct type *read_node(struct reader *r, bool in_structure);
 /* type when ok, otherwise NULL with type freed. */
 static struct type *keep_if(bool ok, struct type *type)
 {
-    if (ok)
+    if (ok) {
         return type;
+    }
     type_free(type);
     return NULL;
 }
@@ -181,8 +194,9 @@ static struct type *keep_if(bool ok, struct type *type)
 static bool read_member(struct reader *r, struct type *type, bool in_structure)
 {
     struct type *member = read_node(r, in_structure);
-    if (member == NULL)
+    if (member == NULL) {
         return false;
+    }
     type_add_member(type, member);
     return true;
 }
@@ -190,8 +204,9 @@ static bool read_member(struct reader *r, struct type *type, bool in_structure)
 static struct type *read_primitive(struct reader *r)
 {
     int32_t code;
-    if (!read_number(r, &code))
+    if (!read_number(r, &code)) {
         return NULL;
+    }
     enum primitive primitive = primitive_find_code((uint32_t)code);
     return primitive == N_PRIMITIVES ? NULL : type_new_primitive(primitive);
 }
@@ -199,8 +214,9 @@ static struct type *read_primitive(struct reader *r)
 static struct type *read_raw(struct reader *r)
 {
     int32_t length;
-    if (!read_number(r, &length) || length < 0)
+    if (!read_number(r, &length) || length < 0) {
         return NULL;
+    }
     struct type *type = type_new(TYPE_RAW);
     type->number = length;
     return type;
@@ -210,11 +226,14 @@ static bool references_are_legal(const struct type *structure)
 {
     for (uint32_t i = 0; i < structure->n_members; i++) {
         const struct type *member = structure->members[i];
-        if (member->kind != TYPE_VARIABLE_ARRAY)
+        if (member->kind != TYPE_VARIABLE_ARRAY) {
             continue;
-        for (uint32_t k = 0; k < member->n_numbers; k++)
-            if (type_check_reference(structure, i, member->numbers[k]) != REFERENCE_FINE)
+        }
+        for (uint32_t k = 0; k < member->n_numbers; k++) {
+            if (type_check_reference(structure, i, member->numbers[k]) != REFERENCE_FINE) {
                 return false;
+            }
+        }
     }
     return true;
 }
@@ -222,22 +241,26 @@ static bool references_are_legal(const struct type *structure)
 static struct type *read_structure(struct reader *r)
 {
     uint32_t count;
-    if (!read_count(r, 1, 4, &count))
+    if (!read_count(r, 1, 4, &count)) {
         return NULL;
+    }
     struct type *type = type_new(TYPE_STRUCTURE);
     bool ok = true;
-    for (uint32_t i = 0; ok && i < count; i++)
+    for (uint32_t i = 0; ok && i < count; i++) {
         ok = read_member(r, type, true);
+    }
     return keep_if(ok && (r->bad || references_are_legal(type)), type);
 }
 
 static struct type *read_pointer(struct reader *r, bool in_structure)
 {
-    if (rest(r) < 1)
+    if (rest(r) < 1) {
         return NULL;
+    }
     bool is_self = *r->source.at++ == 0;
-    if (is_self)
+    if (is_self) {
         return in_structure ? type_new(TYPE_SELF) : NULL;
+    }
     struct type *type = type_new(TYPE_POINTER);
     return keep_if(read_member(r, type, false), type);
 }
@@ -245,15 +268,17 @@ static struct type *read_pointer(struct reader *r, bool in_structure)
 static struct type *read_array(struct reader *r, enum type_kind kind)
 {
     uint32_t count;
-    if (!read_count(r, 2, 4, &count) || count == 0)
+    if (!read_count(r, 2, 4, &count) || count == 0) {
         return NULL;
+    }
     struct type *type = type_new(kind);
     bool ok = read_member(r, type, false);
     for (uint32_t i = 0; ok && i < count; i++) {
         int32_t number;
         ok = read_number(r, &number) && number >= 0;
-        if (ok)
+        if (ok) {
             type_add_number(type, number);
+        }
     }
     r->parts += count;
     return keep_if(ok, type);
@@ -262,8 +287,9 @@ static struct type *read_array(struct reader *r, enum type_kind kind)
 static bool read_name(struct reader *r, struct type *type)
 {
     int32_t length;
-    if (!read_number(r, &length) || length < 0 || rest(r) < 1 || (size_t)length > rest(r))
+    if (!read_number(r, &length) || length < 0 || rest(r) < 1 || (size_t)length > rest(r)) {
         return false;
+    }
     type_add_name(type, mem_copy_text((const char *)r->source.at, (size_t)length));
     r->source.at += length == 0 ? 1 : length;
     return true;
@@ -272,12 +298,14 @@ static bool read_name(struct reader *r, struct type *type)
 static struct type *read_enumeration(struct reader *r)
 {
     uint32_t count;
-    if (!read_count(r, 2, 5, &count))
+    if (!read_count(r, 2, 5, &count)) {
         return NULL;
+    }
     struct type *type = type_new(TYPE_ENUMERATION);
     bool ok = read_number(r, &type->number) && type->number >= 0;
-    for (uint32_t i = 0; ok && i < count; i++)
+    for (uint32_t i = 0; ok && i < count; i++) {
         ok = read_name(r, type);
+    }
     r->parts += count;
     return keep_if(ok && (count == 0 || (uint32_t)type->number == count - 1), type);
 }
@@ -292,8 +320,9 @@ static struct type *read_bad(struct reader *r)
 static struct type *read_kind(struct reader *r, bool in_structure)
 {
     int32_t kind;
-    if (!read_number(r, &kind))
+    if (!read_number(r, &kind)) {
         return NULL;
+    }
     switch (kind) {
     case NODE_PRIMITIVE:
         return read_primitive(r);
@@ -318,8 +347,9 @@ static struct type *read_kind(struct reader *r, bool in_structure)
 
 static struct type *read_node(struct reader *r, bool in_structure)
 {
-    if (r->levels >= LIMIT_FORMAT_DEPTH || r->parts >= LIMIT_FORMAT_NODES)
+    if (r->levels >= LIMIT_FORMAT_DEPTH || r->parts >= LIMIT_FORMAT_NODES) {
         return NULL;
+    }
     r->levels++;
     r->parts++;
     struct type *type = read_kind(r, in_structure);
@@ -336,8 +366,9 @@ int binary_decode(struct binary_source *source, struct format **format)
         return 0;
     }
     struct type *type = read_node(&reader, false);
-    if (type == NULL)
+    if (type == NULL) {
         return ERR_CONTENT;
+    }
     *source = reader.source;
     if (reader.bad) {
         type_free(type);

@@ -29,23 +29,28 @@ static inline void counts_init(struct counts *counts)
 
 static inline void counts_fini(struct counts *counts)
 {
-    if (counts->items != counts->first)
+    if (counts->items != counts->first) {
         free(counts->items);
+    }
 }
 
 /* Makes room for one more: 0 or ERR_MEMORY. */
 static inline int counts_reserve(struct counts *counts)
 {
-    if (counts->length < counts->capacity)
+    if (counts->length < counts->capacity) {
         return 0;
+    }
     uint32_t *old = counts->items == counts->first ? NULL : counts->items;
-    if (counts->capacity > SIZE_MAX / 2 / sizeof *old)
+    if (counts->capacity > SIZE_MAX / 2 / sizeof *old) {
         return ERR_MEMORY;
+    }
     uint32_t *items = realloc(old, counts->capacity * 2 * sizeof *items);
-    if (items == NULL)
+    if (items == NULL) {
         return ERR_MEMORY;
-    if (old == NULL)
+    }
+    if (old == NULL) {
         memcpy(items, counts->first, sizeof counts->first);
+    }
     counts->items = items;
     counts->capacity *= 2;
     return 0;

@@ -35,28 +35,33 @@ static inline size_t rest(const struct decoder *d, const uint8_t *at)
 
 static void *allocate_zeroed(size_t size)
 {
-    if (size > 64)
+    if (size > 64) {
         return calloc(1, size);
+    }
     void *block = malloc(size > 0 ? size : 1);
-    if (block != NULL)
+    if (block != NULL) {
         clear_few(block, size);
+    }
     return block;
 }
 
 static inline int read_string(const struct decoder *d, const uint8_t **at, uint8_t *to)
 {
-    if (rest(d, *at) < 5)
+    if (rest(d, *at) < 5) {
         return ERR_CONTENT; /* even an empty one has a filler byte */
+    }
     const uint32_t length = count_load(*at, d->swap);
     if (length == 0 && !format_keeps_empty_strings()) {
         *at += 5;
         return 0;
     }
-    if (length > INT32_MAX || length > rest(d, *at) - 4)
+    if (length > INT32_MAX || length > rest(d, *at) - 4) {
         return ERR_CONTENT;
+    }
     uint8_t *text = malloc((size_t)length + 1);
-    if (text == NULL)
+    if (text == NULL) {
         return ERR_MEMORY;
+    }
     copy_few(text, *at + 4, length);
     text[length] = '\0';
     pointer_store(to, text);
@@ -78,11 +83,13 @@ static int read_format(const struct decoder *d, const uint8_t **at, uint8_t *to)
 
 static int read_reference(const struct decoder *d, const uint8_t **at, uint8_t *to)
 {
-    if (rest(d, *at) < 4)
+    if (rest(d, *at) < 4) {
         return ERR_CONTENT;
+    }
     struct format_reference *reference = allocate_zeroed(sizeof *reference);
-    if (reference == NULL)
+    if (reference == NULL) {
         return ERR_MEMORY;
+    }
     pointer_store(to, reference);
     reference->number = (int)count_load(*at, d->swap);
     *at += 4;
@@ -94,22 +101,26 @@ static int read_reference(const struct decoder *d, const uint8_t **at, uint8_t *
 static inline int read_count(struct decoder *d, const uint8_t **at, const struct op *op,
                              const uint8_t *element, uint32_t *count)
 {
-    if (rest(d, *at) < 4)
+    if (rest(d, *at) < 4) {
         return ERR_CONTENT;
+    }
     *count = count_load(*at, d->swap);
     *at += 4;
     if (*count > INT32_MAX || (uint64_t)*count * op->least > rest(d, *at) ||
-        (uint64_t)*count * op->size > INT32_MAX)
+        (uint64_t)*count * op->size > INT32_MAX) {
         return ERR_CONTENT;
+    }
     if (op->dimensions_follow) {
         int error = counts_reserve(&d->unchecked);
-        if (error == 0)
+        if (error == 0) {
             counts_push(&d->unchecked, *count);
+        }
         return error;
     }
     uint32_t expected;
-    if (program_count(d->program, op, element, &expected) != 0 || expected != *count)
+    if (program_count(d->program, op, element, &expected) != 0 || expected != *count) {
         return ERR_CONTENT;
+    }
     return 0;
 }
 
@@ -118,14 +129,17 @@ static int allocate_elements(struct decoder *d, const struct op *op, uint8_t *el
                              uint32_t count, uint8_t **block)
 {
     int error = op->flat ? 0 : counts_reserve(&d->arrays);
-    if (error != 0)
+    if (error != 0) {
         return error;
+    }
     *block = allocate_zeroed((size_t)count * op->size);
-    if (*block == NULL)
+    if (*block == NULL) {
         return ERR_MEMORY;
+    }
     pointer_store(element + op->offset, *block);
-    if (!op->flat)
+    if (!op->flat) {
         counts_push(&d->arrays, count);
+    }
     return 0;
 }
 
@@ -134,17 +148,20 @@ static inline int read_block(struct decoder *d, const uint8_t **at, const struct
 {
     uint32_t count;
     int error = read_count(d, at, op, element, &count);
-    if (error != 0 || count == 0)
+    if (error != 0 || count == 0) {
         return error;
+    }
     const size_t size = (size_t)count * op->size;
     uint8_t *block = malloc(size > 0 ? size : 1);
-    if (block == NULL)
+    if (block == NULL) {
         return ERR_MEMORY;
+    }
     pointer_store(element + op->offset, block);
-    if (op->unit == 1)
+    if (op->unit == 1) {
         copy_few(block, *at, size);
-    else
+    } else {
         copy_swapped(block, *at, size / op->unit, op->unit);
+    }
     *at += size;
     return 0;
 }
@@ -154,8 +171,9 @@ static inline int read_array(struct decoder *d, const uint8_t **at, const struct
 {
     uint32_t count;
     int error = read_count(d, at, op, element, &count);
-    if (error != 0 || count == 0)
+    if (error != 0 || count == 0) {
         return error;
+    }
     *n_elements = count;
     return allocate_elements(d, op, element, count, block);
 }
@@ -164,15 +182,19 @@ static inline int read_array(struct decoder *d, const uint8_t **at, const struct
 static inline int read_pointer(const struct decoder *d, const uint8_t **at, const struct op *op,
                                uint8_t *element, uint8_t **target)
 {
-    if (rest(d, *at) < 1)
+    if (rest(d, *at) < 1) {
         return ERR_CONTENT;
-    if (*(*at)++ == 0)
+    }
+    if (*(*at)++ == 0) {
         return 0;
-    if (op->least > rest(d, *at))
+    }
+    if (op->least > rest(d, *at)) {
         return ERR_CONTENT;
+    }
     *target = allocate_zeroed(op->size);
-    if (*target == NULL)
+    if (*target == NULL) {
         return ERR_MEMORY;
+    }
     pointer_store(element + op->offset, *target);
     return 0;
 }
@@ -181,8 +203,9 @@ static int check_count(struct decoder *d, const struct op *op, const uint8_t *el
 {
     const uint32_t count = d->unchecked.items[--d->unchecked.length];
     uint32_t expected;
-    if (program_count(d->program, op, element, &expected) != 0 || expected != count)
+    if (program_count(d->program, op, element, &expected) != 0 || expected != count) {
         return ERR_CONTENT;
+    }
     return 0;
 }
 
@@ -199,36 +222,41 @@ static int walk(struct decoder *d, const uint8_t **start, uint8_t *element)
         int error = 0;
         switch ((enum opcode)op->code) {
         case OP_COPY:
-            if (rest(d, at) < op->length)
+            if (rest(d, at) < op->length) {
                 return ERR_CONTENT;
+            }
             copy_few(element + op->offset, at, op->length);
             at += op->length;
             op++;
             continue;
         case OP_COPY_4:
-            if (rest(d, at) < 4)
+            if (rest(d, at) < 4) {
                 return ERR_CONTENT;
+            }
             memcpy(element + op->offset, at, 4);
             at += 4;
             op++;
             continue;
         case OP_COPY_8:
-            if (rest(d, at) < 8)
+            if (rest(d, at) < 8) {
                 return ERR_CONTENT;
+            }
             memcpy(element + op->offset, at, 8);
             at += 8;
             op++;
             continue;
         case OP_SWAP:
-            if (rest(d, at) / op->unit < op->length)
+            if (rest(d, at) / op->unit < op->length) {
                 return ERR_CONTENT;
+            }
             copy_swapped(element + op->offset, at, op->length, op->unit);
             at += (size_t)op->length * op->unit;
             op++;
             continue;
         case OP_ENUMERATION:
-            if (rest(d, at) < 4)
+            if (rest(d, at) < 4) {
                 return ERR_CONTENT;
+            }
             enumeration_store(element + op->offset, op->unit, count_load(at, d->swap));
             at += 4;
             op++;
@@ -246,16 +274,18 @@ static int walk(struct decoder *d, const uint8_t **start, uint8_t *element)
         }
         case OP_POINTER:
             error = frame_reserve(&d->stack);
-            if (error == 0)
+            if (error == 0) {
                 error = read_pointer(d, &at, op, element, &target);
+            }
             break;
         case OP_BLOCK:
             error = read_block(d, &at, op, element);
             break;
         case OP_ARRAY:
             error = frame_reserve(&d->stack);
-            if (error == 0)
+            if (error == 0) {
                 error = read_array(d, &at, op, element, &target, &n_targets);
+            }
             break;
         case OP_LOOP:
         case OP_CALL:
@@ -267,8 +297,9 @@ static int walk(struct decoder *d, const uint8_t **start, uint8_t *element)
             break;
         case OP_NEXT:
             error = read_pointer(d, &at, op, element, &target);
-            if (error != 0)
+            if (error != 0) {
                 return error;
+            }
             if (target != NULL) {
                 element = target;
                 op -= op->body;
@@ -297,10 +328,12 @@ static int walk(struct decoder *d, const uint8_t **start, uint8_t *element)
             continue;
         }
         /* Memory was allocated only when there was a frame: releasing needs as many. */
-        if (error == 0)
+        if (error == 0) {
             error = frame_push(&d->stack, op, element, left, NULL);
-        if (error != 0)
+        }
+        if (error != 0) {
             return error;
+        }
         op = ops + op->body;
         element = target;
         left = n_targets;
@@ -318,8 +351,9 @@ static int decode(const struct format *format, const struct format_source *sourc
     frame_stack_init(&decoder.stack);
     counts_init(&decoder.arrays);
     counts_init(&decoder.unchecked);
-    for (uint32_t i = 0; i < format->holes.count; i++)
+    for (uint32_t i = 0; i < format->holes.count; i++) {
         clear_few((uint8_t *)value + format->holes.items[i].offset, format->holes.items[i].length);
+    }
     const uint8_t *at = source->bytes;
     int error = walk(&decoder, &at, value);
     if (error != 0) {
@@ -337,8 +371,9 @@ static int decode(const struct format *format, const struct format_source *sourc
 /* The address behind the bytes. */
 static uintptr_t limit_of(const struct format_source *source)
 {
-    if (source->length == SIZE_MAX)
+    if (source->length == SIZE_MAX) {
         return UINTPTR_MAX;
+    }
     return (uintptr_t)source->bytes + source->length;
 }
 
@@ -347,22 +382,26 @@ static inline int decode_into(const struct format *format, const struct format_s
                               void *value, size_t *used)
 {
     const struct type *type = format->type;
-    if (!type->simple || source->order != byte_order_of_host())
+    if (!type->simple || source->order != byte_order_of_host()) {
         return decode(format, source, limit_of(source), value, used);
+    }
     copy_few(value, source->bytes, type->size);
-    if (used != NULL)
+    if (used != NULL) {
         *used = type->size;
+    }
     return 0;
 }
 
 int format_decode(const struct format *format, const struct format_source *source, void *value,
                   size_t *used)
 {
-    if (used != NULL)
+    if (used != NULL) {
         *used = 0;
+    }
     int error = format_check(format, value);
-    if (error != 0)
+    if (error != 0) {
         return error < 0 ? error : 0;
+    }
     if (source->length < format->type->wire_least) {
         memset(value, 0, format->type->size);
         return ERR_CONTENT;
@@ -374,20 +413,25 @@ int format_decode_new(const struct format *format, const struct format_source *s
                       size_t *used)
 {
     *value = NULL;
-    if (used != NULL)
+    if (used != NULL) {
         *used = 0;
+    }
     int error = format_check(format, value);
-    if (error != 0)
+    if (error != 0) {
         return error < 0 ? error : 0;
-    if (source->length < format->type->wire_least)
+    }
+    if (source->length < format->type->wire_least) {
         return ERR_CONTENT;
+    }
     void *block = malloc(format->type->size);
-    if (block == NULL)
+    if (block == NULL) {
         return ERR_MEMORY;
+    }
     error = decode_into(format, source, block, used);
-    if (error != 0)
+    if (error != 0) {
         free(block);
-    else
+    } else {
         *value = block;
+    }
     return error;
 }

@@ -12,8 +12,9 @@
 static char *join(const char *const *pieces, size_t n_pieces, size_t n_spaces)
 {
     size_t length = n_spaces;
-    for (size_t i = 0; i < n_pieces; i++)
+    for (size_t i = 0; i < n_pieces; i++) {
         length += strlen(pieces[i]);
+    }
     char *text = mem_new(length + 1);
     char *at = text;
     for (size_t i = 0; i < n_pieces; i++) {
@@ -36,8 +37,9 @@ static void set(struct format_diagnosis *diagnosis, char *text, size_t position)
 static void point_at(struct format_diagnosis *diagnosis, const char *before, const char *what,
                      const char *after, const char *string, size_t position)
 {
-    if (diagnosis == NULL)
+    if (diagnosis == NULL) {
         return;
+    }
     const char *const lines[] = {before, what, after, "\n", string, "\n"};
     char *spaces = join(lines, sizeof lines / sizeof *lines, position);
     const char *const all[] = {spaces, "^\n"};
@@ -60,14 +62,16 @@ void diagnose_extra_text(struct format_diagnosis *diagnosis, const char *string,
 void diagnose_name(struct format_diagnosis *diagnosis, const char *name, const char *fault,
                    const char *string, size_t position)
 {
-    if (diagnosis == NULL)
+    if (diagnosis == NULL) {
         return;
+    }
     const char *const lines[] = {"Warning: Named Format ", name, " ", fault, "\n", string, "\n"};
     set(diagnosis, join(lines, sizeof lines / sizeof *lines, 0), position);
 }
 
 void diagnose_silently(struct format_diagnosis *diagnosis, size_t position)
 {
-    if (diagnosis != NULL)
+    if (diagnosis != NULL) {
         set(diagnosis, NULL, position);
+    }
 }

@@ -14,8 +14,9 @@ static char *text_of(const struct type *type)
 {
     struct buffer out;
     struct page page;
-    if (type == NULL)
+    if (type == NULL) {
         return mem_copy_string("nothing");
+    }
     buffer_init(&out);
     page_begin_endless(&page, &out);
     page_type(&page, type, 0);
@@ -42,8 +43,8 @@ static bool lies_within(const struct type *a, const struct type *b)
 static void append_part(struct buffer *path, uint32_t i)
 {
     char number[16];
-    const int length = snprintf(number, sizeof number, path->length == 0 ? "%lu" : ".%lu",
-                                (unsigned long)i + 1);
+    const int length =
+        snprintf(number, sizeof number, path->length == 0 ? "%lu" : ".%lu", (unsigned long)i + 1);
     (void)buffer_append(path, number, (size_t)length); /* without memory the path is shorter */
 }
 
@@ -57,8 +58,9 @@ static void descend(const struct type **a, const struct type **b, struct buffer 
         } else if ((*a)->kind == TYPE_STRUCTURE && (*b)->kind == TYPE_STRUCTURE) {
             uint32_t i = 0;
             while (i < (*a)->n_members && i < (*b)->n_members &&
-                   type_equal((*a)->members[i], (*b)->members[i]))
+                   type_equal((*a)->members[i], (*b)->members[i])) {
                 i++;
+            }
             append_part(path, i);
             *a = member(*a, i);
             *b = member(*b, i);
@@ -72,8 +74,9 @@ bool format_difference(const struct format *a, const struct format *b,
                        struct format_difference *difference)
 {
     struct buffer path;
-    if (format_equal(a, b))
+    if (format_equal(a, b)) {
         return false;
+    }
     const struct type *first = a == NULL ? NULL : a->type;
     const struct type *second = b == NULL ? NULL : b->type;
     buffer_init(&path);

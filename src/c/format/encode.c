@@ -40,10 +40,12 @@ static struct room grow(struct encoder *e, struct room room, uint64_t count)
     const size_t written = (size_t)(room.at - e->out->bytes);
     const size_t spare = written - e->start < 64 * 1024 ? 3 * (written - e->start) + 128 : 0;
     e->out->length = written;
-    if (written - e->start + count > INT32_MAX)
+    if (written - e->start + count > INT32_MAX) {
         return fail(e, ERR_LIMIT);
-    if (buffer_reserve(e->out, (size_t)count + spare) != 0)
+    }
+    if (buffer_reserve(e->out, (size_t)count + spare) != 0) {
         return fail(e, ERR_MEMORY);
+    }
     return (struct room){e->out->bytes + written, e->out->bytes + e->out->capacity};
 }
 
@@ -56,8 +58,9 @@ static inline struct room write_string(struct encoder *e, struct room room, cons
 {
     const size_t length = text == NULL ? 0 : strlen(text);
     room = need(e, room, (uint64_t)length + 5);
-    if (room.at == NULL)
+    if (room.at == NULL) {
         return room;
+    }
     count_store(room.at, (uint32_t)length, e->swap);
     if (length == 0) {
         room.at[4] = FILLER;
@@ -72,19 +75,22 @@ static inline struct room write_string(struct encoder *e, struct room room, cons
 static struct room write_format(struct encoder *e, struct room room, const struct format *format)
 {
     room = need(e, room, binary_measure(format));
-    if (room.at != NULL)
+    if (room.at != NULL) {
         room.at = binary_encode(format, room.at, e->swap);
+    }
     return room;
 }
 
 static struct room write_reference(struct encoder *e, struct room room,
                                    const struct format_reference *reference)
 {
-    if (reference == NULL)
+    if (reference == NULL) {
         return fail(e, ERR_NULL);
+    }
     room = need(e, room, 4);
-    if (room.at == NULL)
+    if (room.at == NULL) {
         return room;
+    }
     count_store(room.at, (uint32_t)reference->number, e->swap);
     room.at += 4;
     return write_string(e, room, reference->name);
@@ -95,13 +101,16 @@ static inline struct room write_count(struct encoder *e, struct room room, const
                                       const uint8_t *element, uint32_t *count)
 {
     int error = program_count(e->program, op, element, count);
-    if (error == 0 && *count > 0 && pointer_load(element + op->offset) == NULL)
+    if (error == 0 && *count > 0 && pointer_load(element + op->offset) == NULL) {
         error = ERR_NULL;
-    if (error != 0)
+    }
+    if (error != 0) {
         return fail(e, error);
+    }
     room = need(e, room, 4 + (uint64_t)*count * op->least);
-    if (room.at == NULL)
+    if (room.at == NULL) {
         return room;
+    }
     count_store(room.at, *count, e->swap);
     room.at += 4;
     return room;
@@ -112,14 +121,16 @@ static inline struct room write_block(struct encoder *e, struct room room, const
 {
     uint32_t count;
     room = write_count(e, room, op, element, &count);
-    if (room.at == NULL || count == 0)
+    if (room.at == NULL || count == 0) {
         return room;
+    }
     const size_t size = (size_t)count * op->size;
     const uint8_t *from = pointer_load(element + op->offset);
-    if (op->unit == 1)
+    if (op->unit == 1) {
         copy_few(room.at, from, size);
-    else
+    } else {
         copy_swapped(room.at, from, size / op->unit, op->unit);
+    }
     room.at += size;
     return room;
 }
@@ -128,8 +139,9 @@ static inline struct room write_block(struct encoder *e, struct room room, const
 static inline struct room write_flag(struct encoder *e, struct room room, const void *target)
 {
     room = need(e, room, 1);
-    if (room.at != NULL)
+    if (room.at != NULL) {
         *room.at++ = target == NULL ? 0 : FILLER;
+    }
     return room;
 }
 
@@ -146,40 +158,45 @@ static struct room walk(struct encoder *e, struct room room, uint8_t *element)
         switch ((enum opcode)op->code) {
         case OP_COPY:
             room = need(e, room, op->length);
-            if (room.at == NULL)
+            if (room.at == NULL) {
                 return room;
+            }
             copy_few(room.at, element + op->offset, op->length);
             room.at += op->length;
             op++;
             continue;
         case OP_COPY_4:
             room = need(e, room, 4);
-            if (room.at == NULL)
+            if (room.at == NULL) {
                 return room;
+            }
             memcpy(room.at, element + op->offset, 4);
             room.at += 4;
             op++;
             continue;
         case OP_COPY_8:
             room = need(e, room, 8);
-            if (room.at == NULL)
+            if (room.at == NULL) {
                 return room;
+            }
             memcpy(room.at, element + op->offset, 8);
             room.at += 8;
             op++;
             continue;
         case OP_SWAP:
             room = need(e, room, (uint64_t)op->length * op->unit);
-            if (room.at == NULL)
+            if (room.at == NULL) {
                 return room;
+            }
             copy_swapped(room.at, element + op->offset, op->length, op->unit);
             room.at += (size_t)op->length * op->unit;
             op++;
             continue;
         case OP_ENUMERATION:
             room = need(e, room, 4);
-            if (room.at == NULL)
+            if (room.at == NULL) {
                 return room;
+            }
             count_store(room.at, enumeration_load(element + op->offset, op->unit), e->swap);
             room.at += 4;
             op++;
@@ -203,8 +220,9 @@ static struct room walk(struct encoder *e, struct room room, uint8_t *element)
         case OP_ARRAY: {
             uint32_t count;
             room = write_count(e, room, op, element, &count);
-            if (room.at != NULL && count > 0)
+            if (room.at != NULL && count > 0) {
                 target = pointer_load(element + op->offset);
+            }
             n_targets = count;
             break;
         }
@@ -220,14 +238,17 @@ static struct room walk(struct encoder *e, struct room room, uint8_t *element)
         case OP_NEXT:
             target = pointer_load(element + op->offset);
             room = write_flag(e, room, target);
-            if (room.at == NULL)
+            if (room.at == NULL) {
                 return room;
+            }
             if (target != NULL) {
-                if (target == marker)
+                if (target == marker) {
                     return fail(e, ERR_DEPTH); /* a list that bites its tail */
+                }
                 left++;
-                if ((left & (left - 1)) == 0)
+                if ((left & (left - 1)) == 0) {
                     marker = target;
+                }
                 element = target;
                 op -= op->body;
                 continue;
@@ -240,8 +261,9 @@ static struct room walk(struct encoder *e, struct room room, uint8_t *element)
                 op -= op->body;
                 continue;
             }
-            if (e->stack.count == 0)
+            if (e->stack.count == 0) {
                 return room;
+            }
             const struct frame *frame = &e->stack.frames[--e->stack.count];
             op = frame->op + 1;
             element = frame->element;
@@ -250,15 +272,17 @@ static struct room walk(struct encoder *e, struct room room, uint8_t *element)
             continue;
         }
         }
-        if (room.at == NULL)
+        if (room.at == NULL) {
             return room;
+        }
         if (target == NULL) {
             op++;
             continue;
         }
         int error = frame_push(&e->stack, op, element, left, marker);
-        if (error != 0)
+        if (error != 0) {
             return fail(e, error);
+        }
         op = ops + op->body;
         element = target;
         left = n_targets;
@@ -270,13 +294,15 @@ int format_encode(const struct format *format, const void *value, enum byte_orde
                   struct buffer *out)
 {
     int error = format_check(format, value);
-    if (error != 0)
+    if (error != 0) {
         return error < 0 ? error : 0;
+    }
     const struct type *type = format->type;
     const bool swap = order != byte_order_of_host();
     if (out->capacity - out->length < type->wire_least &&
-        buffer_reserve(out, type->wire_least) != 0)
+        buffer_reserve(out, type->wire_least) != 0) {
         return ERR_MEMORY;
+    }
     if (type->simple && !swap) {
         copy_few(out->bytes + out->length, value, type->size);
         out->length += type->size;

@@ -17,8 +17,9 @@ struct format *format_new(struct type *type)
     struct format *format = mem_new(sizeof *format);
     format->references = 1;
     format->type = type;
-    for (int i = 0; i < N_PROGRAMS; i++)
+    for (int i = 0; i < N_PROGRAMS; i++) {
         program_compile(&format->programs[i], type, (enum program_purpose)i);
+    }
     holes_find(&format->holes, type);
     return format;
 }
@@ -35,17 +36,20 @@ bool format_is_bad(const struct format *format)
 
 struct format *format_ref(struct format *format)
 {
-    if (!format_is_bad(format))
+    if (!format_is_bad(format)) {
         format->references++;
+    }
     return format;
 }
 
 void format_unref(struct format *format)
 {
-    if (format == NULL || format_is_bad(format) || --format->references > 0)
+    if (format == NULL || format_is_bad(format) || --format->references > 0) {
         return;
-    for (int i = 0; i < N_PROGRAMS; i++)
+    }
+    for (int i = 0; i < N_PROGRAMS; i++) {
         program_fini(&format->programs[i]);
+    }
     type_free(format->type);
     free(format);
 }
@@ -82,10 +86,12 @@ bool format_is_simple(const struct format *format)
 
 bool format_equal(const struct format *a, const struct format *b)
 {
-    if (a == b)
+    if (a == b) {
         return true;
-    if (type_of(a) == NULL || type_of(b) == NULL)
+    }
+    if (type_of(a) == NULL || type_of(b) == NULL) {
         return false;
+    }
     return type_equal(a->type, b->type);
 }
 

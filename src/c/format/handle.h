@@ -32,12 +32,15 @@ static inline const struct program *format_program(const struct format *format,
  */
 static inline int format_check(const struct format *format, const void *value)
 {
-    if (format == NULL)
+    if (format == NULL) {
         return 1;
-    if (format->type == NULL)
+    }
+    if (format->type == NULL) {
         return ERR_FORMAT;
-    if (format->type->size == 0)
+    }
+    if (format->type->size == 0) {
         return 1;
+    }
     return value == NULL ? ERR_NULL : 0;
 }
 

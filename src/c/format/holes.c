@@ -15,26 +15,30 @@ static uint32_t end_of(const struct hole *hole)
 
 static void add(struct holes *holes, uint32_t from, uint32_t to)
 {
-    if (from == to)
+    if (from == to) {
         return;
+    }
     struct hole *last = holes->count == 0 ? NULL : &holes->items[holes->count - 1];
-    if (last != NULL && (from - end_of(last) < NEAR || holes->count == MOST_HOLES))
+    if (last != NULL && (from - end_of(last) < NEAR || holes->count == MOST_HOLES)) {
         last->length = to - last->offset;
-    else
+    } else {
         holes->items[holes->count++] = (struct hole){.offset = from, .length = to - from};
+    }
 }
 
 /* Adds what lies between end, up to which all is known, and the simple parts of a type. */
 static void visit(struct holes *holes, const struct type *type, uint32_t offset, uint32_t *end)
 {
     if (type->simple) {
-        if (type->size == 0)
+        if (type->size == 0) {
             return;
+        }
         add(holes, *end, offset);
         *end = offset + type->size;
     } else if (type->kind == TYPE_STRUCTURE) {
-        for (uint32_t i = 0; i < type->n_members; i++)
+        for (uint32_t i = 0; i < type->n_members; i++) {
             visit(holes, type->members[i], offset + type->members[i]->offset, end);
+        }
     }
 }
 

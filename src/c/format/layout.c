@@ -41,8 +41,9 @@ static int lay_out_pointer(struct type *type, uint32_t wire_least)
 static int lay_out_primitive(struct type *type)
 {
     const struct primitive_info *info = &primitive_table[type->primitive];
-    if (!info->flat)
+    if (!info->flat) {
         return lay_out_pointer(type, info->wire_least);
+    }
     return lay_out_flat(type, info->size, info->alignment, info->wire_least);
 }
 
@@ -71,16 +72,19 @@ static int lay_out_fixed_array(struct type *type)
     bool empty = false, too_many = false;
     for (uint32_t i = 0; i < type->n_numbers; i++) {
         empty = empty || type->numbers[i] == 0;
-        if (!too_many)
+        if (!too_many) {
             count *= (uint64_t)type->numbers[i];
+        }
         too_many = too_many || count > largest_size;
     }
-    if (empty)
+    if (empty) {
         count = 0;
-    else if (too_many)
+    } else if (too_many) {
         return ERR_RANGE;
-    if (count * element->size > largest_size || count * element->wire_least > largest_size)
+    }
+    if (count * element->size > largest_size || count * element->wire_least > largest_size) {
         return ERR_RANGE;
+    }
     type->count = (uint32_t)count;
     type->size = (uint32_t)(count * element->size);
     type->alignment = element->alignment;
@@ -99,10 +103,11 @@ static void add_to_structure(struct type *type, const struct type *member)
     type->simple = type->simple && member->simple;
     type->has_self = type->has_self || member->kind == TYPE_SELF;
     if (member->size > 0) {
-        if (type->unit == UINT32_MAX)
+        if (type->unit == UINT32_MAX) {
             type->unit = member->unit;
-        else if (type->unit != member->unit)
+        } else if (type->unit != member->unit) {
             type->unit = 0;
+        }
     }
 }
 
@@ -115,24 +120,30 @@ static int lay_out_structure(struct type *type)
     for (uint32_t i = 0; i < type->n_members; i++) {
         struct type *member = type->members[i];
         uint64_t offset = round_up(end, member->alignment);
-        if (offset + member->size > largest_size)
+        if (offset + member->size > largest_size) {
             return ERR_RANGE;
-        if (offset != end)
+        }
+        if (offset != end) {
             type->simple = false;
+        }
         member->offset = (uint32_t)offset;
         end = offset + member->size;
         wire += member->wire_least;
         add_to_structure(type, member);
     }
     uint64_t size = round_up(end, type->alignment);
-    if (size > largest_size || wire > largest_size)
+    if (size > largest_size || wire > largest_size) {
         return ERR_RANGE;
-    if (size != end)
+    }
+    if (size != end) {
         type->simple = false;
-    if (type->unit == UINT32_MAX)
+    }
+    if (type->unit == UINT32_MAX) {
         type->unit = 1;
-    if (!type->simple)
+    }
+    if (!type->simple) {
         type->unit = 0;
+    }
     type->size = (uint32_t)size;
     type->wire_least = (uint32_t)wire;
     return 0;
@@ -168,10 +179,12 @@ int type_lay_out(struct type *type)
         parts += type->members[i]->parts;
         height = larger(height, type->members[i]->height);
     }
-    if (parts > LIMIT_FORMAT_NODES)
+    if (parts > LIMIT_FORMAT_NODES) {
         return ERR_LIMIT;
-    if (height >= LIMIT_FORMAT_DEPTH)
+    }
+    if (height >= LIMIT_FORMAT_DEPTH) {
         return ERR_DEPTH;
+    }
     type->parts = (uint32_t)parts;
     type->height = height + 1;
     return lay_out_kind(type);
@@ -180,8 +193,9 @@ int type_lay_out(struct type *type)
 const struct type *type_first_part(const struct type *type)
 {
     while (type->kind == TYPE_STRUCTURE || type->kind == TYPE_FIXED_ARRAY) {
-        if (type->n_members == 0 || (type->kind == TYPE_FIXED_ARRAY && type->count == 0))
+        if (type->n_members == 0 || (type->kind == TYPE_FIXED_ARRAY && type->count == 0)) {
             return NULL;
+        }
         type = type->members[0];
     }
     return type;
@@ -190,10 +204,12 @@ const struct type *type_first_part(const struct type *type)
 static bool holds_integer(const struct type *type)
 {
     const struct type *first = type_first_part(type);
-    if (first == NULL)
+    if (first == NULL) {
         return false;
-    if (first->kind == TYPE_PRIMITIVE)
+    }
+    if (first->kind == TYPE_PRIMITIVE) {
         return primitive_table[first->primitive].integer;
+    }
     return first->kind == TYPE_ENUMERATION;
 }
 
@@ -211,11 +227,14 @@ static bool is_tolerable_slip(const struct type *structure, uint32_t index)
 enum reference_fault type_check_reference(const struct type *structure, uint32_t index,
                                           int32_t reference)
 {
-    if (reference < 0 || (uint32_t)reference > structure->n_members)
+    if (reference < 0 || (uint32_t)reference > structure->n_members) {
         return REFERENCE_OUTSIDE;
-    if (reference_index(reference) == index)
+    }
+    if (reference_index(reference) == index) {
         return is_tolerable_slip(structure, index) ? REFERENCE_FINE : REFERENCE_TO_ITSELF;
-    if (!holds_integer(structure->members[reference_index(reference)]))
+    }
+    if (!holds_integer(structure->members[reference_index(reference)])) {
         return REFERENCE_NO_INTEGER;
+    }
     return REFERENCE_FINE;
 }

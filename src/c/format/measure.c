@@ -36,8 +36,9 @@ static int add_format(struct measurer *m, const uint8_t *at)
 static int add_reference(struct measurer *m, const uint8_t *at)
 {
     const void *target = pointer_load(at);
-    if (target == NULL)
+    if (target == NULL) {
         return ERR_NULL;
+    }
     const struct format_reference *reference = target;
     const uint8_t *name = (const uint8_t *)&reference->name;
     int error = add(m, 4);
@@ -49,10 +50,12 @@ static int add_array(struct measurer *m, const struct op *op, const uint8_t *ele
                      uint32_t *count)
 {
     int error = program_count(m->program, op, element, count);
-    if (error != 0)
+    if (error != 0) {
         return error;
-    if (*count > 0 && pointer_load(element + op->offset) == NULL)
+    }
+    if (*count > 0 && pointer_load(element + op->offset) == NULL) {
         return ERR_NULL;
+    }
     return add(m, 4 + (op->flat ? (uint64_t)*count * op->least : 0));
 }
 
@@ -112,12 +115,14 @@ static int walk(struct measurer *m, uint8_t *element)
         case OP_NEXT:
             error = add(m, 1);
             target = pointer_load(element + op->offset);
-            if (error != 0 || target == marker)
+            if (error != 0 || target == marker) {
                 return error != 0 ? error : ERR_DEPTH;
+            }
             if (target != NULL) {
                 left++;
-                if ((left & (left - 1)) == 0)
+                if ((left & (left - 1)) == 0) {
                     marker = target;
+                }
                 element = target;
                 op -= op->body;
                 continue;
@@ -130,8 +135,9 @@ static int walk(struct measurer *m, uint8_t *element)
                 op -= op->body;
                 continue;
             }
-            if (m->stack.count == 0)
+            if (m->stack.count == 0) {
                 return 0;
+            }
             const struct frame *frame = &m->stack.frames[--m->stack.count];
             op = frame->op + 1;
             element = frame->element;
@@ -139,10 +145,12 @@ static int walk(struct measurer *m, uint8_t *element)
             marker = frame->extra;
             continue;
         }
-        if (error == 0 && target != NULL)
+        if (error == 0 && target != NULL) {
             error = frame_push(&m->stack, op, element, left, marker);
-        if (error != 0)
+        }
+        if (error != 0) {
             return error;
+        }
         if (target != NULL) {
             op = ops + op->body;
             element = target;
@@ -158,8 +166,9 @@ int format_measure(const struct format *format, const void *value, size_t *lengt
 {
     *length = 0;
     int error = format_check(format, value);
-    if (error != 0)
+    if (error != 0) {
         return error < 0 ? error : 0;
+    }
     if (format->type->flat) {
         *length = format->type->wire_least;
         return 0;
@@ -170,7 +179,8 @@ int format_measure(const struct format *format, const void *value, size_t *lengt
     frame_stack_init(&measurer.stack);
     error = walk(&measurer, (uint8_t *)(uintptr_t)value); /* only read */
     frame_stack_fini(&measurer.stack);
-    if (error == 0)
+    if (error == 0) {
         *length = (size_t)measurer.length;
+    }
     return error;
 }

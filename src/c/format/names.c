@@ -37,11 +37,13 @@ static void free_definition(struct definition *definition)
 
 void format_names_free(struct format_names *names)
 {
-    if (names == NULL)
+    if (names == NULL) {
         return;
+    }
     for (struct table_entry *entry = table_first(&names->definitions); entry != NULL;
-         entry = table_next(&names->definitions, entry))
+         entry = table_next(&names->definitions, entry)) {
         free_definition(entry->value);
+    }
     table_fini(&names->definitions);
     free(names);
 }
@@ -54,10 +56,12 @@ void format_names_set_ask(struct format_names *names, format_ask ask, void *aske
 
 int format_names_define(struct format_names *names, const char *name, const char *text)
 {
-    if (name == NULL || *name == '\0' || text == NULL)
+    if (name == NULL || *name == '\0' || text == NULL) {
         return ERR_NULL;
-    if (primitive_find(name, strlen(name)) != N_PRIMITIVES)
+    }
+    if (primitive_find(name, strlen(name)) != N_PRIMITIVES) {
         return ERR_FORMAT;
+    }
     struct definition *definition = table_find(&names->definitions, name);
     if (definition == NULL) {
         definition = mem_new(sizeof *definition);
@@ -81,8 +85,9 @@ void format_names_each(const struct format_names *names,
                        void *context)
 {
     for (struct table_entry *entry = table_first(&names->definitions); entry != NULL;
-         entry = table_next(&names->definitions, entry))
+         entry = table_next(&names->definitions, entry)) {
         visit(context, entry->name, ((const struct definition *)entry->value)->text);
+    }
 }
 
 struct definition *names_find(const struct format_names *names, const char *name)

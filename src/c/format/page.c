@@ -11,14 +11,16 @@ enum { LINE_WIDTH = 80, MOST_LINES = 5 };
 static void put(struct page *page, const char *text, size_t length)
 {
     int error = buffer_append(page->out, text, length);
-    if (error != 0)
+    if (error != 0) {
         page->error = error;
+    }
 }
 
 static void put_spaces(struct page *page, unsigned count)
 {
-    for (unsigned i = 0; i < count; i++)
+    for (unsigned i = 0; i < count; i++) {
         put(page, " ", 1);
+    }
     page->column += count;
 }
 
@@ -50,10 +52,12 @@ static void break_line(struct page *page, unsigned indent)
 static void write_text(struct page *page, const char *shown, size_t n_shown, size_t length,
                        unsigned keep)
 {
-    if (page->full)
+    if (page->full) {
         return;
-    if (!page->endless && page->column + length + keep > LINE_WIDTH)
+    }
+    if (!page->endless && page->column + length + keep > LINE_WIDTH) {
         break_line(page, page->indent + 1);
+    }
     if (page->line >= MOST_LINES) {
         page->full = true;
         put(page, "...", 3);
@@ -75,10 +79,11 @@ void page_string(struct page *page, const char *text, unsigned keep)
 
 void page_string_or_null(struct page *page, const char *text, unsigned keep)
 {
-    if (text == NULL)
+    if (text == NULL) {
         write_text(page, "NULL", 4, 0, keep);
-    else
+    } else {
         page_string(page, text, keep);
+    }
 }
 
 void page_number(struct page *page, long long number, unsigned keep)
@@ -91,9 +96,11 @@ void page_number(struct page *page, long long number, unsigned keep)
 void page_comma(struct page *page)
 {
     page_string(page, ",", 0);
-    if (page->full)
+    if (page->full) {
         return;
-    if (!page->endless && page->column == LINE_WIDTH)
+    }
+    if (!page->endless && page->column == LINE_WIDTH) {
         break_line(page, page->indent);
+    }
     put_spaces(page, 1);
 }

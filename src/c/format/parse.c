@@ -44,8 +44,9 @@ static bool at_mark(const struct parser *p, char mark)
 /* Consumes mark if it is next. */
 static bool skip_mark(struct parser *p, char mark)
 {
-    if (!at_mark(p, mark))
+    if (!at_mark(p, mark)) {
         return false;
+    }
     advance(p);
     return true;
 }
@@ -65,10 +66,12 @@ static bool complain(struct parser *p, const char *what)
 /* Consumes an integer; otherwise complains that what was expected. */
 static bool parse_integer(struct parser *p, const char *what, int32_t *value)
 {
-    if (p->token.kind != TOKEN_INTEGER)
+    if (p->token.kind != TOKEN_INTEGER) {
         return complain(p, what);
-    if (p->token.value > INT32_MAX)
+    }
+    if (p->token.value > INT32_MAX) {
         return complain(p, "an integer of at most 2147483647");
+    }
     *value = (int32_t)p->token.value;
     advance(p);
     return true;
@@ -92,8 +95,9 @@ static bool lay_out(struct parser *p, struct type *type, size_t position)
 /* Bounds the memory of a tree before it is laid out. */
 static bool count_part(struct parser *p)
 {
-    if (++p->parts > LIMIT_FORMAT_NODES)
+    if (++p->parts > LIMIT_FORMAT_NODES) {
         return complain(p, "a format of fewer parts");
+    }
     return true;
 }
 
@@ -105,8 +109,9 @@ static struct type *parse_member(struct parser *p);
 /* type when ok, otherwise NULL with type freed. */
 static struct type *keep_if(bool ok, struct type *type)
 {
-    if (ok)
+    if (ok) {
         return type;
+    }
     type_free(type);
     return NULL;
 }
@@ -123,8 +128,9 @@ static bool parse_integers(struct parser *p, struct type *type, char closing, co
 {
     do {
         int32_t number = 0;
-        if (!parse_integer(p, "an integer value", &number) || !count_part(p))
+        if (!parse_integer(p, "an integer value", &number) || !count_part(p)) {
             return false;
+        }
         type_add_number(type, number);
     } while (skip_mark(p, ','));
     return skip_mark(p, closing) || complain(p, otherwise);
@@ -134,13 +140,16 @@ static bool parse_integers(struct parser *p, struct type *type, char closing, co
 static bool parse_old_array(struct parser *p, struct type *type)
 {
     int32_t number = 0;
-    if (!parse_integer(p, "an integer", &number))
+    if (!parse_integer(p, "an integer", &number)) {
         return false;
-    if (!skip_mark(p, ':'))
+    }
+    if (!skip_mark(p, ':')) {
         return complain(p, "':'");
+    }
     struct type *element = parse_format(p);
-    if (element == NULL)
+    if (element == NULL) {
         return false;
+    }
     type_add_member(type, element);
     type_add_number(type, number);
     return skip_mark(p, ']') || complain(p, "']'");
@@ -151,11 +160,13 @@ static bool parse_array_rest(struct parser *p, struct type *type, char closing,
                              const char *otherwise)
 {
     struct type *element = parse_format(p);
-    if (element == NULL)
+    if (element == NULL) {
         return false;
+    }
     type_add_member(type, element);
-    if (!skip_mark(p, ':'))
+    if (!skip_mark(p, ':')) {
         return complain(p, "':'");
+    }
     return parse_integers(p, type, closing, otherwise);
 }
 
@@ -184,8 +195,9 @@ static bool parse_references(struct parser *p, struct type *type)
     do {
         int32_t number = 0;
         push_position(p, p->token.position);
-        if (!parse_integer(p, "an integer value", &number) || !count_part(p))
+        if (!parse_integer(p, "an integer value", &number) || !count_part(p)) {
             return false;
+        }
         type_add_number(type, number);
     } while (skip_mark(p, ','));
     return skip_mark(p, '>') || complain(p, "a ',' or '>'");
@@ -198,8 +210,9 @@ static struct type *parse_variable_array(struct parser *p)
     advance(p);
     struct type *element = parse_format(p);
     bool ok = element != NULL;
-    if (ok)
+    if (ok) {
         type_add_member(type, element);
+    }
     ok = ok && (skip_mark(p, ':') || complain(p, "':'")) && parse_references(p, type);
     return keep_if(ok && lay_out(p, type, start), type);
 }
@@ -239,8 +252,9 @@ static struct type *parse_pointer(struct parser *p, bool in_structure)
         return new_self(p, start);
     }
     struct type *target = parse_format(p);
-    if (target == NULL)
+    if (target == NULL) {
         return NULL;
+    }
     struct type *type = type_new(TYPE_POINTER);
     type_add_member(type, target);
     return keep_if(lay_out(p, type, start), type);
@@ -250,10 +264,12 @@ static struct type *parse_pointer(struct parser *p, bool in_structure)
 static bool parse_enumeration_names(struct parser *p, struct type *type)
 {
     do {
-        if (p->token.kind != TOKEN_NAME)
+        if (p->token.kind != TOKEN_NAME) {
             return complain(p, "a string");
-        if (!count_part(p))
+        }
+        if (!count_part(p)) {
             return false;
+        }
         type_add_name(type, mem_copy_text(p->text + p->token.position, p->token.length));
         advance(p);
     } while (skip_mark(p, ','));
@@ -295,12 +311,14 @@ static bool check_references(struct parser *p, const struct type *structure, siz
     size_t position = first;
     for (uint32_t i = 0; i < structure->n_members; i++) {
         const struct type *member = structure->members[i];
-        if (member->kind != TYPE_VARIABLE_ARRAY)
+        if (member->kind != TYPE_VARIABLE_ARRAY) {
             continue;
+        }
         for (uint32_t k = 0; k < member->n_numbers; k++, position++) {
             enum reference_fault fault = type_check_reference(structure, i, member->numbers[k]);
-            if (fault != REFERENCE_FINE)
+            if (fault != REFERENCE_FINE) {
                 return complain_of_reference(p, structure, fault, p->positions[position]);
+            }
         }
     }
     p->n_positions = first;
@@ -309,12 +327,14 @@ static bool check_references(struct parser *p, const struct type *structure, siz
 
 static bool parse_members(struct parser *p, struct type *type)
 {
-    if (skip_mark(p, '}'))
+    if (skip_mark(p, '}')) {
         return true;
+    }
     do {
         struct type *member = parse_member(p);
-        if (member == NULL)
+        if (member == NULL) {
             return false;
+        }
         type_add_member(type, member);
     } while (skip_mark(p, ','));
     return skip_mark(p, '}') || complain(p, "','");
@@ -325,8 +345,9 @@ static struct type *parse_structure(struct parser *p)
     size_t start = p->token.position;
     size_t first_position = p->n_positions;
     advance(p);
-    if (token_is_name(&p->token, p->text, "enum"))
+    if (token_is_name(&p->token, p->text, "enum")) {
         return parse_enumeration(p, start);
+    }
     struct type *type = type_new(TYPE_STRUCTURE);
     return keep_if(parse_members(p, type) && lay_out(p, type, start) &&
                        check_references(p, type, first_position),
@@ -346,20 +367,23 @@ static void parse_definition(struct parser *p, const char *name, struct definiti
     definition->parsing = true;
     p->error = parse_type(definition->text, p->names, p->levels, &type, p->diagnosis);
     definition->parsing = false;
-    if (p->error == 0)
+    if (p->error == 0) {
         definition->parsed = format_new(type);
+    }
 }
 
 /* The format of a name that the table does not hold; the answer is used once. */
 static struct format *ask(struct parser *p, const char *name)
 {
     struct format *answer = names_ask(p->names, name);
-    if (answer != NULL && !format_is_bad(answer))
+    if (answer != NULL && !format_is_bad(answer)) {
         return answer;
-    if (answer == NULL)
+    }
+    if (answer == NULL) {
         diagnose_name(p->diagnosis, name, "is not registered", p->text, p->token.position);
-    else
+    } else {
         diagnose_silently(p->diagnosis, p->token.position); /* whoever answered has said it */
+    }
     p->error = ERR_UNKNOWN;
     return NULL;
 }
@@ -368,10 +392,12 @@ static struct format *ask(struct parser *p, const char *name)
 static struct format *resolve(struct parser *p, const char *name)
 {
     struct definition *definition = names_find(p->names, name);
-    if (definition == NULL)
+    if (definition == NULL) {
         return ask(p, name);
-    if (definition->parsed == NULL)
+    }
+    if (definition->parsed == NULL) {
         parse_definition(p, name, definition);
+    }
     return p->error == 0 ? format_ref(definition->parsed) : NULL;
 }
 
@@ -379,16 +405,18 @@ static struct format *resolve(struct parser *p, const char *name)
 static struct type *expand_name(struct parser *p, const char *name)
 {
     struct format *found = resolve(p, name);
-    if (found == NULL)
+    if (found == NULL) {
         return NULL;
+    }
     uint32_t parts = found->type->parts;
     struct type *type = NULL;
-    if (found->type->height + p->levels - 1 > LIMIT_FORMAT_DEPTH)
+    if (found->type->height + p->levels - 1 > LIMIT_FORMAT_DEPTH) {
         (void)complain(p, "a format of fewer levels");
-    else if (parts > LIMIT_FORMAT_NODES - p->parts)
+    } else if (parts > LIMIT_FORMAT_NODES - p->parts) {
         (void)complain(p, "a format of fewer parts");
-    else
+    } else {
         type = type_copy(found->type);
+    }
     p->parts += type == NULL ? 0 : parts;
     format_unref(found);
     return type;
@@ -404,8 +432,9 @@ static struct type *parse_name(struct parser *p)
     if (primitive == N_PRIMITIVES) {
         name = mem_copy_text(text, p->token.length);
         bool defined = p->names != NULL && format_names_holds(p->names, name);
-        if (!defined && token_is_name(&p->token, p->text, "uchar"))
+        if (!defined && token_is_name(&p->token, p->text, "uchar")) {
             primitive = PRIMITIVE_UBYTE;
+        }
     }
     if (primitive == N_PRIMITIVES) {
         type = expand_name(p, name);
@@ -414,8 +443,9 @@ static struct type *parse_name(struct parser *p)
         (void)type_lay_out(type);
     }
     free(name);
-    if (type != NULL)
+    if (type != NULL) {
         advance(p);
+    }
     return type;
 }
 
@@ -429,13 +459,15 @@ static struct type *parse_mark(struct parser *p, bool in_structure)
     case '*':
         return parse_pointer(p, in_structure);
     case '<':
-        if (in_structure)
+        if (in_structure) {
             return parse_variable_array(p);
+        }
         (void)complain(p, "var array format '<..>' not embedded within a structure '{..}'");
         return NULL;
     case '!':
-        if (in_structure && at_reversed_self(p))
+        if (in_structure && at_reversed_self(p)) {
             return parse_reversed_self(p);
+        }
         (void)complain(p, "a different token type");
         return NULL;
     default:
@@ -450,8 +482,9 @@ static struct type *parse_any(struct parser *p, bool in_structure)
         (void)complain(p, "a format of fewer levels");
         return NULL;
     }
-    if (!count_part(p))
+    if (!count_part(p)) {
         return NULL;
+    }
     struct type *type = NULL;
     p->levels++;
     switch (p->token.kind) {
@@ -494,20 +527,23 @@ static int parse_type(const char *text, const struct format_names *names, uint32
     parser.token = token_read(text, 0);
     *type = parse_format(&parser);
     free(parser.positions);
-    if (*type != NULL && parser.token.kind != TOKEN_END)
+    if (*type != NULL && parser.token.kind != TOKEN_END) {
         diagnose_extra_text(diagnosis, text, parser.token.position);
+    }
     return *type == NULL ? parser.error : 0;
 }
 
 int format_parse(const char *text, const struct format_names *names, struct format **format,
                  struct format_diagnosis *diagnosis)
 {
-    if (diagnosis != NULL)
+    if (diagnosis != NULL) {
         *diagnosis = (struct format_diagnosis){NULL, 0};
+    }
     *format = NULL;
     struct type *type = NULL;
     int error = parse_type(text, names, 0, &type, diagnosis);
-    if (error == 0)
+    if (error == 0) {
         *format = format_new(type);
+    }
     return error;
 }

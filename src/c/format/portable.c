@@ -15,13 +15,13 @@ char *format_portable_text(const char *text, const struct format_names *names)
     struct token before = {.kind = TOKEN_END};
     struct token token = token_read(text, 0);
     while (token.kind != TOKEN_END) {
-        if (token_is_mark(&token, '}'))
+        if (token_is_mark(&token, '}')) {
             in_names = false;
-        else if (token_is_name(&token, text, "enum") && token_is_mark(&before, '{'))
+        } else if (token_is_name(&token, text, "enum") && token_is_mark(&before, '{')) {
             in_names = true;
-        else if (!in_names && !own_uchar && token_is_name(&token, text, "uchar"))
+        } else if (!in_names && !own_uchar && token_is_name(&token, text, "uchar")) {
             memcpy(portable + token.position, "ubyte", 5);
-        else if (token_is_mark(&token, '*') && token_is_mark(&before, '!')) {
+        } else if (token_is_mark(&token, '*') && token_is_mark(&before, '!')) {
             portable[before.position] = '*';
             portable[token.position] = '!';
         }

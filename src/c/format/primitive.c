@@ -57,17 +57,20 @@ enum primitive primitive_find(const char *name, size_t length)
 {
     for (int i = 0; i < N_PRIMITIVES; i++) {
         const char *known = primitive_table[i].name;
-        if (strlen(known) == length && memcmp(known, name, length) == 0)
+        if (strlen(known) == length && memcmp(known, name, length) == 0) {
             return (enum primitive)i;
+        }
     }
     return N_PRIMITIVES;
 }
 
 enum primitive primitive_find_code(uint32_t code)
 {
-    for (int i = 0; i < N_PRIMITIVES; i++)
-        if (primitive_table[i].code == code)
+    for (int i = 0; i < N_PRIMITIVES; i++) {
+        if (primitive_table[i].code == code) {
             return (enum primitive)i;
+        }
+    }
     return N_PRIMITIVES;
 }
 
@@ -77,9 +80,11 @@ enum of_four_bytes { LARGEST_OF_FOUR_BYTES = 2147483647 };
 
 uint32_t enumeration_size(int32_t largest)
 {
-    if (largest <= LARGEST_OF_ONE_BYTE)
+    if (largest <= LARGEST_OF_ONE_BYTE) {
         return sizeof(enum of_one_byte);
-    if (largest <= LARGEST_OF_TWO_BYTES)
+    }
+    if (largest <= LARGEST_OF_TWO_BYTES) {
         return sizeof(enum of_two_bytes);
+    }
     return sizeof(enum of_four_bytes);
 }

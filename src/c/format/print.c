@@ -68,12 +68,13 @@ static void print_real(struct printer *p, double number, unsigned keep)
 {
     char digits[400]; /* the largest double has 309 digits before the point */
     const char *sign = signbit(number) ? "-" : "";
-    if (isnan(number))
+    if (isnan(number)) {
         (void)snprintf(digits, sizeof digits, "%snan", sign);
-    else if (isinf(number))
+    } else if (isinf(number)) {
         (void)snprintf(digits, sizeof digits, "%sinf", sign);
-    else
+    } else {
         (void)snprintf(digits, sizeof digits, "%.2f", number);
+    }
     page_string(&p->page, digits, keep);
 }
 
@@ -86,12 +87,13 @@ static void print_text(struct printer *p, const char *text, unsigned keep)
 
 static void print_format(struct printer *p, const struct format *format, unsigned keep)
 {
-    if (format == NULL)
+    if (format == NULL) {
         page_string(&p->page, "NULLFormat", keep);
-    else if (format_is_bad(format))
+    } else if (format_is_bad(format)) {
         page_string(&p->page, "BadFormat", keep);
-    else
+    } else {
         page_type(&p->page, format->type, keep);
+    }
 }
 
 static void print_reference(struct printer *p, const struct format_reference *reference,
@@ -162,8 +164,9 @@ static void print_raw(struct printer *p, const struct type *type, const uint8_t 
     const uint32_t count = type->size;
     page_string(&p->page, "(", 10);
     for (uint32_t i = 0; i < count && !p->page.full; i++) {
-        if (i > 0)
+        if (i > 0) {
             page_comma(&p->page);
+        }
         print_unsigned(p, "%#llx", at[i], keep_of_part(i, count, keep));
     }
     page_string(&p->page, ")", keep);
@@ -173,10 +176,11 @@ static void print_enumeration(struct printer *p, const struct type *type, const 
                               unsigned keep)
 {
     const int32_t value = (int32_t)enumeration_load(at, type->size);
-    if (value >= 0 && (uint32_t)value < type->n_names)
+    if (value >= 0 && (uint32_t)value < type->n_names) {
         page_string(&p->page, type->names[value], keep);
-    else
+    } else {
         page_number(&p->page, value, keep);
+    }
 }
 
 static void print_structure(struct printer *p, const struct type *type, const uint8_t *at,
@@ -186,8 +190,9 @@ static void print_structure(struct printer *p, const struct type *type, const ui
     page_string(&p->page, "{", 10);
     for (uint32_t i = 0; i < type->n_members && !p->page.full; i++) {
         const struct type *member = type->members[i];
-        if (i > 0)
+        if (i > 0) {
             page_comma(&p->page);
+        }
         print_value(p, member, at + member->offset, &around,
                     keep_of_part(i, type->n_members, keep));
     }
@@ -207,8 +212,9 @@ struct rows {
 static size_t part_size(const struct rows *rows)
 {
     size_t size = rows->element->size;
-    for (uint32_t i = 1; i < rows->n_dimensions; i++)
+    for (uint32_t i = 1; i < rows->n_dimensions; i++) {
         size *= (size_t)rows->dimensions[i];
+    }
     return size;
 }
 
@@ -223,12 +229,14 @@ static void print_rows(struct printer *p, const struct rows *rows, const uint8_t
     for (int32_t i = 0; i < count && !p->page.full; i++) {
         const uint8_t *part = at + (size_t)i * size;
         const unsigned part_keep = keep_of_part((uint64_t)i, (uint64_t)count, keep);
-        if (i > 0)
+        if (i > 0) {
             page_comma(&p->page);
-        if (inner.n_dimensions > 0)
+        }
+        if (inner.n_dimensions > 0) {
             print_rows(p, &inner, part, part_keep);
-        else
+        } else {
             print_value(p, rows->element, part, NULL, part_keep);
+        }
     }
     page_string(&p->page, rows->closing, keep);
 }
@@ -254,8 +262,9 @@ static bool read_dimensions(const struct type *type, const struct surroundings *
         const struct type *field = around->structure->members[reference_index(type->numbers[i])];
         const struct dimension dimension = dimension_of(field, field->offset);
         const int64_t size = dimension_read(&dimension, around->at);
-        if (size < 0)
+        if (size < 0) {
             return false;
+        }
         empty = empty || size == 0;
         product = product > INT32_MAX || size > INT32_MAX ? UINT32_MAX : product * (uint64_t)size;
         dimensions[i] = size > INT32_MAX ? INT32_MAX : (int32_t)size;
@@ -268,24 +277,27 @@ static void print_variable_array(struct printer *p, const struct type *type, con
 {
     int32_t few[8];
     int32_t *dimensions = few;
-    if (type->n_numbers > sizeof few / sizeof *few)
+    if (type->n_numbers > sizeof few / sizeof *few) {
         dimensions = malloc(type->n_numbers * sizeof *dimensions);
+    }
     const uint8_t *elements = pointer_load(at);
     const struct rows rows = {.element = type->members[0],
                               .dimensions = dimensions,
                               .n_dimensions = type->n_numbers,
                               .opening = "<",
                               .closing = ">"};
-    if (dimensions == NULL)
+    if (dimensions == NULL) {
         p->error = ERR_MEMORY;
-    else if (!read_dimensions(type, around, dimensions))
+    } else if (!read_dimensions(type, around, dimensions)) {
         p->error = ERR_RANGE;
-    else if (elements == NULL)
+    } else if (elements == NULL) {
         page_string(&p->page, "NULL", keep);
-    else
+    } else {
         print_rows(p, &rows, elements, keep);
-    if (dimensions != few)
+    }
+    if (dimensions != few) {
         free(dimensions);
+    }
 }
 
 static void print_pointer(struct printer *p, const struct type *target, const uint8_t *at,
@@ -303,8 +315,9 @@ static void print_pointer(struct printer *p, const struct type *target, const ui
 static void print_value(struct printer *p, const struct type *type, const uint8_t *at,
                         const struct surroundings *around, unsigned keep)
 {
-    if (p->page.full || p->error != 0)
+    if (p->page.full || p->error != 0) {
         return;
+    }
     switch (type->kind) {
     case TYPE_PRIMITIVE:
         print_primitive(p, type, at, keep);
@@ -339,18 +352,22 @@ int format_print(const struct format *format, const void *value, unsigned indent
     const size_t start = out->length;
     struct printer printer = {.error = 0};
     int error = format_check(format, value);
-    if (error < 0)
+    if (error < 0) {
         return error;
+    }
     static const uint8_t nothing = 0; /* a value of size 0 may be NULL */
     page_begin(&printer.page, out, indent);
-    if (format == NULL)
+    if (format == NULL) {
         page_string(&printer.page, "NULL", 0);
-    else
+    } else {
         print_value(&printer, format->type, value == NULL ? &nothing : value, NULL, 0);
+    }
     error = printer.error != 0 ? printer.error : printer.page.error;
-    if (error == 0)
+    if (error == 0) {
         error = buffer_append(out, "\n", 1);
-    if (error != 0)
+    }
+    if (error != 0) {
         out->length = start;
+    }
     return error;
 }

@@ -32,8 +32,9 @@ struct compiler {
 /* Place for one more element; the list doubles. */
 static void *make_room(void *list, uint32_t count, uint32_t *capacity, size_t size)
 {
-    if (count < *capacity)
+    if (count < *capacity) {
         return list;
+    }
     *capacity = *capacity == 0 ? 8 : *capacity * 2;
     return mem_resize(list, *capacity, size);
 }
@@ -66,10 +67,12 @@ static struct op *previous_op(const struct compiler *c)
  * possible. */
 static void emit_run(struct compiler *c, uint32_t offset, uint32_t size, uint32_t unit)
 {
-    if (size == 0 || c->purpose == PROGRAM_OWNED)
+    if (size == 0 || c->purpose == PROGRAM_OWNED) {
         return;
-    if (c->purpose == PROGRAM_NATIVE)
+    }
+    if (c->purpose == PROGRAM_NATIVE) {
         unit = 1;
+    }
     const enum opcode code = unit == 1 ? OP_COPY : OP_SWAP;
     struct op *op = previous_op(c);
     if (op == NULL || op->code != code || op->unit != unit ||
@@ -83,10 +86,12 @@ static void emit_run(struct compiler *c, uint32_t offset, uint32_t size, uint32_
 /* The unit in which a type is one run of numbers for this purpose, or 0 if it is not. */
 static uint32_t run_unit(const struct compiler *c, const struct type *type)
 {
-    if (c->purpose == PROGRAM_OWNED)
+    if (c->purpose == PROGRAM_OWNED) {
         return type->flat ? 1 : 0;
-    if (!type->simple)
+    }
+    if (!type->simple) {
         return 0;
+    }
     return c->purpose == PROGRAM_NATIVE ? 1 : type->unit;
 }
 
@@ -120,18 +125,20 @@ static void compile_primitive(struct compiler *c, const struct type *type, uint3
 
 static void compile_enumeration(struct compiler *c, const struct type *type, uint32_t offset)
 {
-    if (type->simple)
+    if (type->simple) {
         emit_run(c, offset, type->size, type->unit);
-    else if (c->purpose != PROGRAM_OWNED)
+    } else if (c->purpose != PROGRAM_OWNED) {
         emit(c, OP_ENUMERATION, offset)->unit = (uint8_t)type->size;
+    }
 }
 
 static void compile_fixed_array(struct compiler *c, const struct type *type, uint32_t offset)
 {
     const struct type *element = type->members[0];
     const uint32_t unit = run_unit(c, element);
-    if (type->size == 0)
+    if (type->size == 0) {
         return;
+    }
     if (unit != 0) {
         emit_run(c, offset, type->size, unit);
     } else if (type->count == 1) {
@@ -200,35 +207,40 @@ static void compile_members(struct compiler *c, const struct type *type, uint32_
     for (uint32_t i = 0; i < n_members; i++) {
         const struct type *member = type->members[i];
         if (member->kind != TYPE_VARIABLE_ARRAY) {
-            if (member->kind == TYPE_SELF)
+            if (member->kind == TYPE_SELF) {
                 compile_pointer(c, type, c->current, offset + member->offset);
-            else
+            } else {
                 compile_type(c, member, offset + member->offset);
+            }
             continue;
         }
         compile_variable_array(c, type, i, offset);
-        if (!c->program->ops[c->n_ops - 1].dimensions_follow)
+        if (!c->program->ops[c->n_ops - 1].dimensions_follow) {
             continue;
+        }
         late_arrays = make_room(late_arrays, n_late, &capacity, sizeof *late_arrays);
         late_arrays[n_late++] = c->n_ops - 1;
     }
-    if (c->purpose != PROGRAM_OWNED)
+    if (c->purpose != PROGRAM_OWNED) {
         compile_checks(c, late_arrays, n_late);
+    }
     free(late_arrays);
 }
 
 static void compile_structure(struct compiler *c, const struct type *type, uint32_t offset)
 {
-    if (type->has_self)
+    if (type->has_self) {
         emit(c, OP_CALL, offset)->body = want_body(c, type, false);
-    else
+    } else {
         compile_members(c, type, type->n_members, offset);
+    }
 }
 
 static void compile_type(struct compiler *c, const struct type *type, uint32_t offset)
 {
-    if (c->purpose == PROGRAM_OWNED && type->flat)
+    if (c->purpose == PROGRAM_OWNED && type->flat) {
         return;
+    }
     switch (type->kind) {
     case TYPE_PRIMITIVE:
         compile_primitive(c, type, offset);
@@ -289,13 +301,15 @@ static void finish(struct compiler *c)
 {
     for (uint32_t i = 0; i < c->n_ops; i++) {
         struct op *op = &c->program->ops[i];
-        if (op->code == OP_COPY && op->length == 4)
+        if (op->code == OP_COPY && op->length == 4) {
             op->code = OP_COPY_4;
-        else if (op->code == OP_COPY && op->length == 8)
+        } else if (op->code == OP_COPY && op->length == 8) {
             op->code = OP_COPY_8;
+        }
         if (op->code == OP_POINTER || op->code == OP_ARRAY || op->code == OP_LOOP ||
-            op->code == OP_CALL)
+            op->code == OP_CALL) {
             op->body = c->bodies[op->body].start;
+        }
     }
 }
 
@@ -325,12 +339,13 @@ struct dimension dimension_of(const struct type *field, uint32_t offset)
 {
     const struct type *number = type_first_part(field);
     struct dimension dimension = {.offset = offset, .size = (uint8_t)number->size};
-    if (number->kind == TYPE_VARIABLE_ARRAY)
+    if (number->kind == TYPE_VARIABLE_ARRAY) {
         dimension.size = 0;
-    else if (number->kind == TYPE_PRIMITIVE)
+    } else if (number->kind == TYPE_PRIMITIVE) {
         dimension.is_signed = primitive_table[number->primitive].is_signed;
-    else
+    } else {
         dimension.is_signed = number->size == 4; /* an enumeration */
+    }
     return dimension;
 }
 
@@ -359,8 +374,9 @@ int64_t dimension_read(const struct dimension *dimension, const uint8_t *element
     case 4:
         return dimension->is_signed ? (int64_t)number.s4 : (int64_t)number.u4;
     default:
-        if (dimension->is_signed || number.u8 <= INT64_MAX)
+        if (dimension->is_signed || number.u8 <= INT64_MAX) {
             return number.s8;
+        }
         return INT64_MAX;
     }
 }

@@ -101,12 +101,14 @@ static inline int program_count(const struct program *program, const struct op *
         } else {
             size = dimension_read(dimension, element);
         }
-        if (size < 0)
+        if (size < 0) {
             return ERR_RANGE;
+        }
         empty = empty || size == 0;
         too_many = too_many || size > INT32_MAX;
-        if (!too_many)
+        if (!too_many) {
             product *= (uint64_t)size;
+        }
         too_many = too_many || product > INT32_MAX;
     }
     *count = empty ? 0 : (uint32_t)product;

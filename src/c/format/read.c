@@ -40,24 +40,30 @@ static const char *word_of(const struct value_reader *r)
 static int read_number(struct value_reader *r, int64_t least, uint64_t most, uint64_t *number)
 {
     int error = scanner_word(&r->scanner, &r->word);
-    if (error != 0)
+    if (error != 0) {
         return error;
+    }
     const char *digits = word_of(r);
     const bool negative = *digits == '-';
-    if (*digits == '-' || *digits == '+')
+    if (*digits == '-' || *digits == '+') {
         digits++;
+    }
     const int base = digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X') ? 16 : 10;
-    if (*digits < '0' || *digits > '9') /* strtoull would take a second sign */
+    if (*digits < '0' || *digits > '9') { /* strtoull would take a second sign */
         return ERR_CONTENT;
+    }
     char *end;
     errno = 0;
     const unsigned long long magnitude = strtoull(digits, &end, base);
-    if (errno != 0 || *end != '\0')
+    if (errno != 0 || *end != '\0') {
         return ERR_CONTENT;
-    if (!negative && magnitude > most)
+    }
+    if (!negative && magnitude > most) {
         return ERR_CONTENT;
-    if (negative && magnitude > (least == 0 ? 0 : (uint64_t) - (least + 1) + 1))
+    }
+    if (negative && magnitude > (least == 0 ? 0 : (uint64_t) - (least + 1) + 1)) {
         return ERR_CONTENT;
+    }
     *number = negative ? 0 - (uint64_t)magnitude : magnitude;
     return 0;
 }
@@ -90,36 +96,43 @@ static int read_integer(struct value_reader *r, const struct type *type, uint8_t
     int64_t least = 0;
     if (info->is_signed) {
         least = -(int64_t)(most >> 1) - 1;
-        if (type->primitive != PRIMITIVE_BYTE) /* which is printed as its bit pattern */
+        if (type->primitive != PRIMITIVE_BYTE) { /* which is printed as its bit pattern */
             most >>= 1;
+        }
     }
     uint64_t number;
     int error = read_number(r, least, most, &number);
-    if (error == 0)
+    if (error == 0) {
         store_number(at, info->size, number);
+    }
     return error;
 }
 
 /* Whether the word is the text, whatever the case of its letters. */
 static bool same_word(const char *word, const char *text)
 {
-    for (; *word != '\0' && *text != '\0'; word++, text++)
-        if ((*word | 0x20) != (*text | 0x20))
+    for (; *word != '\0' && *text != '\0'; word++, text++) {
+        if ((*word | 0x20) != (*text | 0x20)) {
             return false;
+        }
+    }
     return *word == *text;
 }
 
 static int read_boolean(struct value_reader *r, const struct type *type, uint8_t *at)
 {
     const int first = scanner_peek(&r->scanner) | 0x20;
-    if (first != 't' && first != 'f')
+    if (first != 't' && first != 'f') {
         return read_integer(r, type, at);
+    }
     int error = scanner_word(&r->scanner, &r->word);
-    if (error != 0)
+    if (error != 0) {
         return error;
+    }
     const bool truth = same_word(word_of(r), "true");
-    if (!truth && !same_word(word_of(r), "false"))
+    if (!truth && !same_word(word_of(r), "false")) {
         return ERR_CONTENT;
+    }
     store_number(at, type->size, truth ? 1 : 0);
     return 0;
 }
@@ -127,12 +140,14 @@ static int read_boolean(struct value_reader *r, const struct type *type, uint8_t
 static int read_real(struct value_reader *r, const struct type *type, uint8_t *at)
 {
     int error = scanner_word(&r->scanner, &r->word);
-    if (error != 0)
+    if (error != 0) {
         return error;
+    }
     char *end;
     const double number = strtod(word_of(r), &end);
-    if (*end != '\0')
+    if (*end != '\0') {
         return ERR_CONTENT;
+    }
     if (type->primitive == PRIMITIVE_FLOAT) {
         const float single = (float)number;
         memcpy(at, &single, sizeof single);
@@ -146,21 +161,25 @@ static int read_real(struct value_reader *r, const struct type *type, uint8_t *a
 static int read_null(struct value_reader *r)
 {
     int error = scanner_word(&r->scanner, &r->word);
-    if (error == 0 && strcmp(word_of(r), "NULL") != 0)
+    if (error == 0 && strcmp(word_of(r), "NULL") != 0) {
         error = ERR_CONTENT;
+    }
     return error;
 }
 
 static int read_string(struct value_reader *r, uint8_t *at)
 {
-    if (scanner_peek(&r->scanner) != '"')
+    if (scanner_peek(&r->scanner) != '"') {
         return read_null(r);
+    }
     int error = scanner_text(&r->scanner, &r->word);
-    if (error != 0)
+    if (error != 0) {
         return error;
+    }
     char *text = malloc(r->word.length);
-    if (text == NULL)
+    if (text == NULL) {
         return ERR_MEMORY;
+    }
     memcpy(text, r->word.bytes, r->word.length);
     pointer_store(at, text);
     return 0;
@@ -188,15 +207,18 @@ static int read_primitive(struct value_reader *r, const struct type *type, uint8
 
 static int read_raw(struct value_reader *r, const struct type *type, uint8_t *at)
 {
-    if (!scanner_skip(&r->scanner, '('))
+    if (!scanner_skip(&r->scanner, '(')) {
         return ERR_CONTENT;
+    }
     for (uint32_t i = 0; i < type->size; i++) {
         uint64_t number;
-        if (i > 0 && !scanner_skip(&r->scanner, ','))
+        if (i > 0 && !scanner_skip(&r->scanner, ',')) {
             return ERR_CONTENT;
+        }
         int error = read_number(r, -128, 255, &number);
-        if (error != 0)
+        if (error != 0) {
             return error;
+        }
         at[i] = (uint8_t)number;
     }
     return scanner_skip(&r->scanner, ')') ? 0 : ERR_CONTENT;
@@ -211,13 +233,17 @@ static int read_enumeration(struct value_reader *r, const struct type *type, uin
         error = read_number(r, INT32_MIN, INT32_MAX, &number);
     } else {
         error = scanner_word(&r->scanner, &r->word);
-        while (error == 0 && number < type->n_names && strcmp(type->names[number], word_of(r)) != 0)
+        while (error == 0 && number < type->n_names &&
+               strcmp(type->names[number], word_of(r)) != 0) {
             number++;
-        if (error == 0 && number == type->n_names)
+        }
+        if (error == 0 && number == type->n_names) {
             error = ERR_CONTENT;
+        }
     }
-    if (error == 0)
+    if (error == 0) {
         enumeration_store(at, type->size, (uint32_t)number);
+    }
     return error;
 }
 
@@ -227,11 +253,13 @@ static int read_fixed_rows(struct value_reader *r, const struct type *type, uint
                            uint8_t **at)
 {
     const struct type *element = type->members[0];
-    if (!scanner_skip(&r->scanner, '['))
+    if (!scanner_skip(&r->scanner, '[')) {
         return ERR_CONTENT;
+    }
     for (int32_t i = 0; i < type->numbers[dimension]; i++) {
-        if (i > 0 && !scanner_skip(&r->scanner, ','))
+        if (i > 0 && !scanner_skip(&r->scanner, ',')) {
             return ERR_CONTENT;
+        }
         int error;
         if (dimension + 1 < type->n_numbers) {
             error = read_fixed_rows(r, type, dimension + 1, at);
@@ -239,8 +267,9 @@ static int read_fixed_rows(struct value_reader *r, const struct type *type, uint
             error = read_value(r, element, NULL, *at);
             *at += element->size;
         }
-        if (error != 0)
+        if (error != 0) {
             return error;
+        }
     }
     return scanner_skip(&r->scanner, ']') ? 0 : ERR_CONTENT;
 }
@@ -260,14 +289,17 @@ static int enlarge(struct value_reader *r, struct growing *array)
 {
     const size_t size = array->type->members[0]->size;
     const size_t capacity = array->capacity == 0 ? 4 : array->capacity * 2;
-    if ((uint64_t)capacity * size > INT32_MAX)
+    if ((uint64_t)capacity * size > INT32_MAX) {
         return ERR_CONTENT;
+    }
     const bool first = array->capacity == 0;
-    if (first && counts_reserve(&r->arrays) != 0)
+    if (first && counts_reserve(&r->arrays) != 0) {
         return ERR_MEMORY;
+    }
     uint8_t *block = realloc(pointer_load(array->field), size == 0 ? 1 : capacity * size);
-    if (block == NULL)
+    if (block == NULL) {
         return ERR_MEMORY;
+    }
     memset(block + array->capacity * size, 0, (capacity - array->capacity) * size);
     pointer_store(array->field, block);
     if (first && !array->type->members[0]->flat) {
@@ -283,35 +315,41 @@ static int read_element(struct value_reader *r, struct growing *array)
     const struct type *element = array->type->members[0];
     if (array->count == array->capacity) {
         int error = enlarge(r, array);
-        if (error != 0)
+        if (error != 0) {
             return error;
+        }
     }
     array->count++;
-    if (!element->flat)
+    if (!element->flat) {
         r->arrays.items[array->slot] = array->count;
+    }
     uint8_t *block = pointer_load(array->field);
     return read_value(r, element, NULL, block + (size_t)(array->count - 1) * element->size);
 }
 
 static int read_rows(struct value_reader *r, struct growing *array, uint32_t dimension)
 {
-    if (!scanner_skip(&r->scanner, '<'))
+    if (!scanner_skip(&r->scanner, '<')) {
         return ERR_CONTENT;
+    }
     uint32_t n = 0;
     if (scanner_peek(&r->scanner) != '>') {
         do {
             int error = dimension + 1 < array->type->n_numbers ? read_rows(r, array, dimension + 1)
                                                                : read_element(r, array);
-            if (error != 0)
+            if (error != 0) {
                 return error;
+            }
             n++;
         } while (scanner_skip(&r->scanner, ','));
     }
-    if (!scanner_skip(&r->scanner, '>'))
+    if (!scanner_skip(&r->scanner, '>')) {
         return ERR_CONTENT;
+    }
     uint32_t *shape = &r->shapes.items[array->shape + dimension];
-    if (*shape != UINT32_MAX && *shape != n)
+    if (*shape != UINT32_MAX && *shape != n) {
         return ERR_CONTENT; /* rows of different lengths */
+    }
     *shape = n;
     return 0;
 }
@@ -320,8 +358,9 @@ static int read_variable_array(struct value_reader *r, const struct type *type, 
 {
     struct growing array = {.type = type, .field = at, .shape = r->shapes.length};
     for (uint32_t i = 0; i < type->n_numbers; i++) {
-        if (counts_reserve(&r->shapes) != 0)
+        if (counts_reserve(&r->shapes) != 0) {
             return ERR_MEMORY;
+        }
         counts_push(&r->shapes, UINT32_MAX); /* not known yet */
     }
     if (scanner_peek(&r->scanner) != '<') {
@@ -340,8 +379,9 @@ static bool shape_fits(const struct type *structure, const uint8_t *at, const st
         const struct type *field = structure->members[reference_index(array->numbers[i])];
         const struct dimension dimension = dimension_of(field, field->offset);
         const int64_t size = dimension_read(&dimension, at);
-        if (size < 0)
+        if (size < 0) {
             return false;
+        }
         should_be_empty = should_be_empty || size == 0;
         is_empty = is_empty || shape[i] == 0;
         same = same && size == (int64_t)shape[i];
@@ -354,25 +394,31 @@ static bool shape_fits(const struct type *structure, const uint8_t *at, const st
 static int read_structure(struct value_reader *r, const struct type *type, uint8_t *at)
 {
     const size_t first_shape = r->shapes.length;
-    if (!scanner_skip(&r->scanner, '{'))
+    if (!scanner_skip(&r->scanner, '{')) {
         return ERR_CONTENT;
+    }
     for (uint32_t i = 0; i < type->n_members; i++) {
         const struct type *member = type->members[i];
-        if (i > 0 && !scanner_skip(&r->scanner, ','))
+        if (i > 0 && !scanner_skip(&r->scanner, ',')) {
             return ERR_CONTENT;
+        }
         int error = read_value(r, member, type, at + member->offset);
-        if (error != 0)
+        if (error != 0) {
             return error;
+        }
     }
-    if (!scanner_skip(&r->scanner, '}'))
+    if (!scanner_skip(&r->scanner, '}')) {
         return ERR_CONTENT;
+    }
     size_t shape = first_shape;
     for (uint32_t i = 0; i < type->n_members; i++) {
         const struct type *member = type->members[i];
-        if (member->kind != TYPE_VARIABLE_ARRAY)
+        if (member->kind != TYPE_VARIABLE_ARRAY) {
             continue;
-        if (!shape_fits(type, at, member, &r->shapes.items[shape]))
+        }
+        if (!shape_fits(type, at, member, &r->shapes.items[shape])) {
             return ERR_CONTENT;
+        }
         shape += member->n_numbers;
     }
     r->shapes.length = first_shape;
@@ -381,11 +427,13 @@ static int read_structure(struct value_reader *r, const struct type *type, uint8
 
 static int read_pointer(struct value_reader *r, const struct type *target, uint8_t *at)
 {
-    if (!scanner_skip(&r->scanner, '*'))
+    if (!scanner_skip(&r->scanner, '*')) {
         return read_null(r);
+    }
     uint8_t *block = calloc(1, target->size > 0 ? target->size : 1);
-    if (block == NULL)
+    if (block == NULL) {
         return ERR_MEMORY;
+    }
     pointer_store(at, block);
     return read_value(r, target, NULL, block);
 }
@@ -417,8 +465,9 @@ static int read_kind(struct value_reader *r, const struct type *type, const stru
 static int read_value(struct value_reader *r, const struct type *type, const struct type *structure,
                       uint8_t *at)
 {
-    if (r->levels >= MOST_LEVELS)
+    if (r->levels >= MOST_LEVELS) {
         return ERR_CONTENT;
+    }
     r->levels++;
     int error = read_kind(r, type, structure, at);
     r->levels--;
@@ -438,13 +487,16 @@ static void undo(struct value_reader *r, const struct format *format, void *valu
 int format_read(const struct format *format, FILE *stream, void *value)
 {
     int error = format_check(format, value);
-    if (error < 0)
+    if (error < 0) {
         return error;
-    if (format == NULL)
+    }
+    if (format == NULL) {
         return 0;
+    }
     uint8_t nothing = 0; /* a value of size 0 may be NULL */
-    if (value == NULL)
+    if (value == NULL) {
         value = &nothing;
+    }
     memset(value, 0, format->type->size);
     struct value_reader reader = {.levels = 0};
     scanner_begin(&reader.scanner, stream);
@@ -452,8 +504,9 @@ int format_read(const struct format *format, FILE *stream, void *value)
     counts_init(&reader.arrays);
     counts_init(&reader.shapes);
     error = read_value(&reader, format->type, NULL, value);
-    if (error != 0)
+    if (error != 0) {
         undo(&reader, format, value);
+    }
     scanner_end(&reader.scanner);
     counts_fini(&reader.shapes);
     counts_fini(&reader.arrays);

@@ -36,8 +36,9 @@ static void release_reference(uint8_t *at)
 {
     void *block = take(at);
     struct format_reference *reference = block;
-    if (reference != NULL)
+    if (reference != NULL) {
         free(reference->name);
+    }
     free(reference);
 }
 
@@ -45,21 +46,24 @@ static void release_reference(uint8_t *at)
 static uint8_t *take_array(struct releaser *r, const struct op *op, uint8_t *element, size_t *left)
 {
     uint32_t count;
-    if (pointer_load(element + op->offset) == NULL)
+    if (pointer_load(element + op->offset) == NULL) {
         return NULL;
+    }
     int error = 0;
-    if (r->counts != NULL)
+    if (r->counts != NULL) {
         count = *r->counts++;
-    else
+    } else {
         error = program_count(r->program, op, element, &count);
+    }
     if (error != 0) {
         r->error = r->error != 0 ? r->error : error;
         return NULL;
     }
     *left = count;
     uint8_t *block = take(element + op->offset);
-    if (count > 0)
+    if (count > 0) {
         return block;
+    }
     free(block);
     return NULL;
 }
@@ -122,8 +126,9 @@ static void walk(struct releaser *r, uint8_t *element)
                 continue;
             }
             free(owned);
-            if (r->stack->count == 0)
+            if (r->stack->count == 0) {
                 return;
+            }
             const struct frame *frame = &r->stack->frames[--r->stack->count];
             op = frame->op + 1;
             element = frame->element;
@@ -159,10 +164,12 @@ void release_partial(const struct format *format, void *value, const struct coun
 int format_release(const struct format *format, void *value)
 {
     int error = format_check(format, value);
-    if (error != 0)
+    if (error != 0) {
         return error < 0 ? error : 0;
-    if (format->type->flat)
+    }
+    if (format->type->flat) {
         return 0;
+    }
     struct frame_stack stack;
     frame_stack_init(&stack);
     struct releaser releaser = {.program = &format->programs[PROGRAM_OWNED], .stack = &stack};

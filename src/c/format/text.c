@@ -11,8 +11,9 @@
 static void write_numbers(struct page *page, const struct type *type, unsigned keep)
 {
     for (uint32_t i = 0; i < type->n_numbers && !page->full; i++) {
-        if (i > 0)
+        if (i > 0) {
             page_comma(page);
+        }
         page_number(page, type->numbers[i], keep_of_part(i, type->n_numbers, keep));
     }
 }
@@ -31,8 +32,9 @@ static void write_structure(struct page *page, const struct type *type, unsigned
 {
     page_string(page, "{", 10);
     for (uint32_t i = 0; i < type->n_members && !page->full; i++) {
-        if (i > 0)
+        if (i > 0) {
             page_comma(page);
+        }
         page_type(page, type->members[i], keep_of_part(i, type->n_members, keep));
     }
     page_string(page, "}", keep);
@@ -42,8 +44,9 @@ static void write_enumeration(struct page *page, const struct type *type, unsign
 {
     page_string(page, "{enum ", 10);
     for (uint32_t i = 0; i < type->n_names && !page->full; i++) {
-        if (i > 0)
+        if (i > 0) {
             page_comma(page);
+        }
         page_string(page, type->names[i], keep_of_part(i, type->n_names, keep));
     }
     if (type->n_names == 0) {
@@ -87,10 +90,12 @@ void page_type(struct page *page, const struct type *type, unsigned keep)
 
 char *format_canonical(const struct format *format)
 {
-    if (format == NULL)
+    if (format == NULL) {
         return mem_copy_string("NULLFormat");
-    if (format_is_bad(format))
+    }
+    if (format_is_bad(format)) {
         return mem_copy_string("BadFormat");
+    }
     struct buffer out;
     struct page page;
     buffer_init(&out);

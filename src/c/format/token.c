@@ -15,8 +15,9 @@ static int64_t value_of(const char *digits, size_t length)
     int64_t value = 0;
     for (size_t i = 0; i < length; i++) {
         value = value * 10 + (digits[i] - '0');
-        if (value > INT32_MAX)
+        if (value > INT32_MAX) {
             return INT64_MAX;
+        }
     }
     return value;
 }

@@ -27,8 +27,9 @@ struct type *type_new_primitive(enum primitive primitive)
 /* Room for one more element: lists have 1, 2, 4, 8, ... places. */
 static void *make_room(void *list, uint32_t count, size_t size)
 {
-    if ((count & (count - 1)) != 0)
+    if ((count & (count - 1)) != 0) {
         return list;
+    }
     return mem_resize(list, count == 0 ? 1 : (size_t)count * 2, size);
 }
 
@@ -52,12 +53,15 @@ void type_add_name(struct type *type, char *name)
 
 void type_free(struct type *type)
 {
-    if (type == NULL)
+    if (type == NULL) {
         return;
-    for (uint32_t i = 0; i < type->n_members; i++)
+    }
+    for (uint32_t i = 0; i < type->n_members; i++) {
         type_free(type->members[i]);
-    for (uint32_t i = 0; i < type->n_names; i++)
+    }
+    for (uint32_t i = 0; i < type->n_names; i++) {
         free(type->names[i]);
+    }
     free(type->members);
     free(type->numbers);
     free(type->names);
@@ -72,37 +76,49 @@ struct type *type_copy(const struct type *type)
     copy->members = NULL;
     copy->numbers = NULL;
     copy->names = NULL;
-    for (uint32_t i = 0; i < type->n_members; i++)
+    for (uint32_t i = 0; i < type->n_members; i++) {
         type_add_member(copy, type_copy(type->members[i]));
-    for (uint32_t i = 0; i < type->n_numbers; i++)
+    }
+    for (uint32_t i = 0; i < type->n_numbers; i++) {
         type_add_number(copy, type->numbers[i]);
-    for (uint32_t i = 0; i < type->n_names; i++)
+    }
+    for (uint32_t i = 0; i < type->n_names; i++) {
         type_add_name(copy, mem_copy_string(type->names[i]));
+    }
     return copy;
 }
 
 static bool same_lists(const struct type *a, const struct type *b)
 {
-    for (uint32_t i = 0; i < a->n_numbers; i++)
-        if (a->numbers[i] != b->numbers[i])
+    for (uint32_t i = 0; i < a->n_numbers; i++) {
+        if (a->numbers[i] != b->numbers[i]) {
             return false;
-    for (uint32_t i = 0; i < a->n_names; i++)
-        if (strcmp(a->names[i], b->names[i]) != 0)
+        }
+    }
+    for (uint32_t i = 0; i < a->n_names; i++) {
+        if (strcmp(a->names[i], b->names[i]) != 0) {
             return false;
+        }
+    }
     return true;
 }
 
 bool type_equal(const struct type *a, const struct type *b)
 {
-    if (a == b)
+    if (a == b) {
         return true;
+    }
     if (a->kind != b->kind || a->primitive != b->primitive || a->number != b->number ||
-        a->n_members != b->n_members || a->n_numbers != b->n_numbers || a->n_names != b->n_names)
+        a->n_members != b->n_members || a->n_numbers != b->n_numbers || a->n_names != b->n_names) {
         return false;
-    if (!same_lists(a, b))
+    }
+    if (!same_lists(a, b)) {
         return false;
-    for (uint32_t i = 0; i < a->n_members; i++)
-        if (!type_equal(a->members[i], b->members[i]))
+    }
+    for (uint32_t i = 0; i < a->n_members; i++) {
+        if (!type_equal(a->members[i], b->members[i])) {
             return false;
+        }
+    }
     return true;
 }

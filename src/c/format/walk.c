@@ -9,17 +9,21 @@
 
 int frame_stack_grow(struct frame_stack *stack)
 {
-    if (stack->capacity >= LIMIT_DATA_DEPTH)
+    if (stack->capacity >= LIMIT_DATA_DEPTH) {
         return ERR_DEPTH;
+    }
     size_t capacity = stack->capacity * 4;
-    if (capacity > LIMIT_DATA_DEPTH)
+    if (capacity > LIMIT_DATA_DEPTH) {
         capacity = LIMIT_DATA_DEPTH;
+    }
     struct frame *old = stack->frames == stack->first ? NULL : stack->frames;
     struct frame *frames = realloc(old, capacity * sizeof *frames);
-    if (frames == NULL)
+    if (frames == NULL) {
         return ERR_MEMORY;
-    if (old == NULL)
+    }
+    if (old == NULL) {
         memcpy(frames, stack->first, sizeof stack->first);
+    }
     stack->frames = frames;
     stack->capacity = capacity;
     return 0;
@@ -68,8 +72,9 @@ void copy_swapped(uint8_t *to, const uint8_t *from, size_t n_numbers, unsigned u
         copy_swapped_8(to, from, n_numbers);
         break;
     default:
-        if (n_numbers > 0)
+        if (n_numbers > 0) {
             memcpy(to, from, n_numbers);
+        }
     }
 }
 

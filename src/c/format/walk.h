@@ -43,8 +43,9 @@ static inline void frame_stack_init(struct frame_stack *stack)
 
 static inline void frame_stack_fini(struct frame_stack *stack)
 {
-    if (stack->frames != stack->first)
+    if (stack->frames != stack->first) {
         free(stack->frames);
+    }
 }
 
 /* Makes room for one more frame: 0, ERR_DEPTH beyond LIMIT_DATA_DEPTH frames, ERR_MEMORY. */
@@ -59,8 +60,9 @@ static inline int frame_push(struct frame_stack *stack, const struct op *op, uin
                              size_t left, void *extra)
 {
     int error = frame_reserve(stack);
-    if (error != 0)
+    if (error != 0) {
         return error;
+    }
     stack->frames[stack->count++] =
         (struct frame){.op = op, .element = element, .left = left, .extra = extra};
     return 0;
@@ -122,8 +124,9 @@ static inline void clear_few(uint8_t *at, size_t count)
         memcpy(at, zero, 4);
         memcpy(at + count - 4, zero, 4);
     } else {
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             at[i] = 0;
+        }
     }
 }
 
@@ -155,8 +158,9 @@ static inline uint32_t count_load(const uint8_t *at, bool swap)
 
 static inline void count_store(uint8_t *at, uint32_t count, bool swap)
 {
-    if (swap)
+    if (swap) {
         count = swap32(count);
+    }
     memcpy(at, &count, sizeof count);
 }
 

@@ -58,7 +58,8 @@ int IPC_isConnected(void)
     struct library *library = library_enter();
     const struct _X_IPC_CONTEXT *context = context_current_live(library);
     if (context != NULL && context->away != NULL) {
-        (void)wait_turn(library, clock_ns()); /* a program that asks again and again sees it come back */
+        (void)wait_turn(library,
+                        clock_ns()); /* a program that asks again and again sees it come back */
         inbox_tell(library);
     }
     const int connected = context_current_connected(library) != NULL;

@@ -101,8 +101,8 @@ IPC_RETURN_TYPE IPCx_arrayInfo(BYTE_ARRAY byteArray, unsigned int *length, int *
     return IPC_OK;
 }
 
-IPC_RETURN_TYPE IPCx_unmarshallN(FORMATTER_PTR formatter, BYTE_ARRAY byteArray,
-                                 unsigned int length, void **dataHandle)
+IPC_RETURN_TYPE IPCx_unmarshallN(FORMATTER_PTR formatter, BYTE_ARRAY byteArray, unsigned int length,
+                                 void **dataHandle)
 {
     const struct format *format = formatter_format(formatter);
     const struct format_source source = {byteArray, length, byte_order_of_host()};
@@ -221,8 +221,7 @@ void killCentral(void)
 
 void killModule(char *taskName)
 {
-    if (IPCx_killModule(taskName, NULL) == IPC_Error &&
-        IPC_errno == IPC_Argument_Out_Of_Range) {
+    if (IPCx_killModule(taskName, NULL) == IPC_Error && IPC_errno == IPC_Argument_Out_Of_Range) {
         report_warning("No task named %s was found\n", taskName);
     }
 }

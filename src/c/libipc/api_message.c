@@ -160,8 +160,7 @@ IPC_RETURN_TYPE IPC_subscribe(const char *msgName, HANDLER_TYPE handler, void *c
     return subscribe(msgName, handler, clientData, 0);
 }
 
-IPC_RETURN_TYPE IPC_subscribeData(const char *msgName, HANDLER_DATA_TYPE handler,
-                                  void *clientData)
+IPC_RETURN_TYPE IPC_subscribeData(const char *msgName, HANDLER_DATA_TYPE handler, void *clientData)
 {
     return subscribe(msgName, handler, clientData, 1);
 }

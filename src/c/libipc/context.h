@@ -30,12 +30,12 @@ enum context_state {
 struct awaited {
     int32_t reference;
     bool done;
-    bool failed;         /* the connection ended first */
-    uint8_t *data;       /* malloc block, the waiter's once done; NULL for no data */
+    bool failed;   /* the connection ended first */
+    uint8_t *data; /* malloc block, the waiter's once done; NULL for no data */
     size_t length;
     enum byte_order order;
-    char *name;          /* message of the response, malloc; NULL in answers of central */
-    bool notify;         /* a malloc'ed one whose handler is to be called */
+    char *name;  /* message of the response, malloc; NULL in answers of central */
+    bool notify; /* a malloc'ed one whose handler is to be called */
     HANDLER_TYPE handler;
     void *client_data;
 };
@@ -44,57 +44,58 @@ struct _X_IPC_CONTEXT {
     struct list in_library;
     struct library *library;
     enum context_state state;
-    void (*lost)(struct _X_IPC_CONTEXT *context, bool noticed); /* closing_lost; its maker sets it */
-    bool unseen;           /* no program has got its address, and none does before it is connected */
-    unsigned greeting;     /* parts of central's greeting taken so far, GREETING_PARTS: all */
-    bool shown_as_lost;    /* the exit procedure runs for it: IPC_getContext gives it */
-    bool loss_noticed;     /* by reading: the call that noticed reports it */
-    char *server_name;     /* as given to connect, owned; kept in the husk */
+    void (*lost)(struct _X_IPC_CONTEXT *context,
+                 bool noticed); /* closing_lost; its maker sets it */
+    bool unseen;        /* no program has got its address, and none does before it is connected */
+    unsigned greeting;  /* parts of central's greeting taken so far, GREETING_PARTS: all */
+    bool shown_as_lost; /* the exit procedure runs for it: IPC_getContext gives it */
+    bool loss_noticed;  /* by reading: the call that noticed reports it */
+    char *server_name;  /* as given to connect, owned; kept in the husk */
     char *module_name;
     int port;
     char address[NET_NAME_SIZE]; /* where central was found, numeric; "" by Unix socket */
     bool will_listen;
-    IPCX_RECONNECT reconnect;    /* what follows a loss */
-    struct reconnect *away;      /* from a loss until central is back; else NULL; owned */
-    unsigned connection;         /* grows at every loss: what came over another one is stale */
-    bool local;            /* by Unix socket: what central has written is there at once */
-    bool new_central;      /* central of this project: its promises may be relied on */
+    IPCX_RECONNECT reconnect; /* what follows a loss */
+    struct reconnect *away;   /* from a loss until central is back; else NULL; owned */
+    unsigned connection;      /* grows at every loss: what came over another one is stale */
+    bool local;               /* by Unix socket: what central has written is there at once */
+    bool new_central;         /* central of this project: its promises may be relied on */
 
     struct link link;
-    struct source source;  /* of the link, once that is waited for (receive_start) */
-    unsigned writers;      /* threads that wait for what they have queued to be written */
-    bool try_first;        /* the last attempt to read found something */
+    struct source source; /* of the link, once that is waited for (receive_start) */
+    unsigned writers;     /* threads that wait for what they have queued to be written */
+    bool try_first;       /* the last attempt to read found something */
     int32_t last_reference;
     int32_t library_ids[LM_COUNT]; /* 0: not looked up yet */
     struct intmap awaited;         /* reference -> struct awaited */
 
-    struct table messages;         /* name -> struct message */
-    struct table handlers;         /* handler name -> struct handler, for the life of the connection */
-    struct list subscribed;        /* of struct handler, oldest subscription first */
+    struct table messages;  /* name -> struct message */
+    struct table handlers;  /* handler name -> struct handler, for the life of the connection */
+    struct list subscribed; /* of struct handler, oldest subscription first */
     struct idpool handler_ids;
 
-    struct list inbox;             /* of struct instance, in the order in which they run */
+    struct list inbox; /* of struct instance, in the order in which they run */
     size_t n_inbox;
-    size_t inbox_bytes;            /* content in it */
-    int capacity;                  /* deliveries of central that may be handled at a time */
-    int active;                    /* those being handled, or answered later */
-    unsigned unfinished;           /* deliveries of central not yet acknowledged */
-    uint64_t acknowledged_ns;      /* when the oldest acknowledgement that waits was queued, 0: none */
-    struct list delayed;           /* of struct instance, response still to come */
+    size_t inbox_bytes;       /* content in it */
+    int capacity;             /* deliveries of central that may be handled at a time */
+    int active;               /* those being handled, or answered later */
+    unsigned unfinished;      /* deliveries of central not yet acknowledged */
+    uint64_t acknowledged_ns; /* when the oldest acknowledgement that waits was queued, 0: none */
+    struct list delayed;      /* of struct instance, response still to come */
     struct turn turn;
 
-    struct table broadcasts;       /* names that have subscribers, valid if broadcasts_known */
+    struct table broadcasts; /* names that have subscribers, valid if broadcasts_known */
     bool broadcasts_known;
 
-    bool direct;                   /* central wants modules to be linked with each other */
-    int direct_port;               /* where others reach this module, 0: nowhere */
-    struct source direct_tcp;      /* listeners, fd -1: none */
+    bool direct;              /* central wants modules to be linked with each other */
+    int direct_port;          /* where others reach this module, 0: nowhere */
+    struct source direct_tcp; /* listeners, fd -1: none */
     struct source direct_unix;
     struct net_local direct_local; /* the latter's file */
     struct list peers;             /* of struct peer */
     unsigned draining;             /* threads that wait for a peer to take bytes */
 
-    struct list connect_watchers;    /* of struct watcher, latest first */
+    struct list connect_watchers; /* of struct watcher, latest first */
     struct list disconnect_watchers;
     struct list change_watchers;
     struct list connection_watchers;

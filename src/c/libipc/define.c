@@ -69,8 +69,8 @@ void define_tell_all(struct _X_IPC_CONTEXT *context)
     }
 }
 
-IPC_ERROR_TYPE define_message(struct _X_IPC_CONTEXT *context, const char *name,
-                              unsigned int length, const char *text)
+IPC_ERROR_TYPE define_message(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
+                              const char *text)
 {
     struct library *library = context->library;
     const IPC_ERROR_TYPE error = check(library, length, text);

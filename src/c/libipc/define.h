@@ -7,8 +7,8 @@
 #include "libipc/context.h"
 #include "libipc/registry.h"
 
-IPC_ERROR_TYPE define_message(struct _X_IPC_CONTEXT *context, const char *name,
-                              unsigned int length, const char *format);
+IPC_ERROR_TYPE define_message(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
+                              const char *format);
 
 /* Queues what this module has defined, for a central that does not know it. */
 void define_tell_all(struct _X_IPC_CONTEXT *context);

@@ -23,11 +23,12 @@ static char *wire_text(unsigned int length)
 {
     char fixed[32];
     snprintf(fixed, sizeof fixed, "[byte:%u]", length);
-    return length == 0 ? NULL : mem_copy_string(length == IPC_VARIABLE_LENGTH ? VARIABLE_WIRE : fixed);
+    return length == 0 ? NULL
+                       : mem_copy_string(length == IPC_VARIABLE_LENGTH ? VARIABLE_WIRE : fixed);
 }
 
-struct definition *definition_new(struct library *library, const char *name,
-                                  unsigned int length, const char *text)
+struct definition *definition_new(struct library *library, const char *name, unsigned int length,
+                                  const char *text)
 {
     struct definition *definition = mem_new(sizeof *definition);
     definition->name = mem_copy_string(name);

@@ -8,8 +8,8 @@
 
 struct definition;
 
-struct definition *definition_new(struct library *library, const char *name,
-                                  unsigned int length, const char *text);
+struct definition *definition_new(struct library *library, const char *name, unsigned int length,
+                                  const char *text);
 
 /* NULL is fine. */
 void definition_free(struct definition *definition);

@@ -164,8 +164,7 @@ IPC_ERROR_TYPE exchange_decode(struct awaited *awaited, const struct format *for
     int error = 0;
     memset(reply, 0, format_size(format));
     if (awaited->length > 0) {
-        error =
-            payload_decode(format, awaited->data, awaited->length, awaited->order, reply);
+        error = payload_decode(format, awaited->data, awaited->length, awaited->order, reply);
     }
     free(awaited->data);
     awaited->data = NULL;
@@ -178,8 +177,8 @@ static IPC_ERROR_TYPE library_id(struct _X_IPC_CONTEXT *context, enum library_me
 {
     if (context->library_ids[which] == 0) {
         const struct catalogue *catalogue = &context->library->catalogue;
-        struct message_info_request request = {
-            (char *)(uintptr_t)library_messages[which].name, NULL};
+        struct message_info_request request = {(char *)(uintptr_t)library_messages[which].name,
+                                               NULL};
         struct optional_message_info reply;
         const IPC_ERROR_TYPE error = exchange_ask(context, LM_MESSAGE_INFO, &request, &reply);
         if (error != IPC_No_Error) {
@@ -232,8 +231,7 @@ IPC_ERROR_TYPE exchange_ask(struct _X_IPC_CONTEXT *context, enum library_message
     return error;
 }
 
-void exchange_tell(struct _X_IPC_CONTEXT *context, enum library_message which,
-                   const void *payload)
+void exchange_tell(struct _X_IPC_CONTEXT *context, enum library_message which, const void *payload)
 {
     if (context->library_ids[which] != 0) {
         (void)exchange_queue_notice(context, context->library_ids[which],
@@ -249,8 +247,8 @@ IPC_ERROR_TYPE exchange_notice(struct _X_IPC_CONTEXT *context, enum library_mess
     int32_t id;
     IPC_ERROR_TYPE error = library_id(context, which, &id);
     if (error == IPC_No_Error) {
-        error = exchange_queue_notice(context, id, context->library->catalogue.request[which],
-                                      payload);
+        error =
+            exchange_queue_notice(context, id, context->library->catalogue.request[which], payload);
     }
     if (error == IPC_No_Error) {
         error = exchange_drain(context, context->link.queued);

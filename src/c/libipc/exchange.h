@@ -48,8 +48,7 @@ IPC_ERROR_TYPE exchange_queue_request(struct _X_IPC_CONTEXT *context, int32_t me
                                       struct awaited *awaited);
 
 /* Queues a notice if central knows such. */
-void exchange_tell(struct _X_IPC_CONTEXT *context, enum library_message which,
-                   const void *payload);
+void exchange_tell(struct _X_IPC_CONTEXT *context, enum library_message which, const void *payload);
 
 /* Queues a notice to a message whose number is known. */
 IPC_ERROR_TYPE exchange_queue_notice(struct _X_IPC_CONTEXT *context, int32_t message_id,

@@ -35,8 +35,7 @@ static struct format *ask_central(void *asked, const char *name)
     struct _X_IPC_CONTEXT *context = context_current_connected(library);
     char *text = (char *)(uintptr_t)name; /* the request's string is only read */
     struct format *format = NULL;
-    if (context == NULL ||
-        exchange_ask(context, LM_GET_FORMAT, &text, &format) != IPC_No_Error) {
+    if (context == NULL || exchange_ask(context, LM_GET_FORMAT, &text, &format) != IPC_No_Error) {
         return NULL;
     }
     return format; /* the bad format where central does not know the name either */

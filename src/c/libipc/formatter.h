@@ -24,8 +24,8 @@ struct format *formatter_keep(struct library *library, struct format *format);
 
 enum formatter_result {
     FORMATTER_OK,
-    FORMATTER_ILLEGAL,      /* a syntax error */
-    FORMATTER_UNKNOWN_NAME  /* legal but for a named format that nobody knows */
+    FORMATTER_ILLEGAL,     /* a syntax error */
+    FORMATTER_UNKNOWN_NAME /* legal but for a named format that nobody knows */
 };
 
 /*

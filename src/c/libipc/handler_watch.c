@@ -30,8 +30,8 @@ static bool list_changed(struct _X_IPC_CONTEXT *context, struct handler *handler
     struct message *message =
         registry_get(context, handler->message->name + sizeof VARIABLE_WATCH - 1);
     struct handler_list list;
-    if (payload_decode(format, frame->data, frame->data_length,
-                       (enum byte_order)frame->data_order, &list) != 0) {
+    if (payload_decode(format, frame->data, frame->data_length, (enum byte_order)frame->data_order,
+                       &list) != 0) {
         return true;
     }
     set_list(context, message, &list);

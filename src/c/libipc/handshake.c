@@ -77,8 +77,7 @@ static bool look_up(struct handshake *handshake, const char *name, int32_t *numb
 /* The number in the answer to a look-up, 0 when there is none. */
 static int32_t number_in(const struct handshake *handshake, struct awaited *awaited)
 {
-    const struct format *format =
-        handshake->context->library->catalogue.reply[LM_MESSAGE_INFO];
+    const struct format *format = handshake->context->library->catalogue.reply[LM_MESSAGE_INFO];
     struct optional_message_info reply = {NULL};
     int32_t number = 0;
     if (exchange_decode(awaited, format, &reply) == IPC_No_Error) {
@@ -101,8 +100,8 @@ static void take_numbers(struct handshake *handshake)
 /* -------------------------------------------------------------------- numbers */
 
 /* Messages whose numbers the handshake and nearly every module need. */
-static const enum library_message needed[] = {LM_INTRODUCTION,   LM_READY,     LM_SUBSCRIBE,
-                                              LM_DEFINE_MESSAGE, LM_CLOSE,     LM_DEFINE_FORMAT,
+static const enum library_message needed[] = {LM_INTRODUCTION,   LM_READY,      LM_SUBSCRIBE,
+                                              LM_DEFINE_MESSAGE, LM_CLOSE,      LM_DEFINE_FORMAT,
                                               LM_IS_CONNECTED,   LM_UNSUBSCRIBE};
 enum { N_NEEDED = sizeof needed / sizeof needed[0] };
 
@@ -201,8 +200,8 @@ static bool broadcasts_changed(struct _X_IPC_CONTEXT *context, struct handler *h
     const struct format *format = context->library->catalogue.name_list;
     struct name_list list;
     (void)handler;
-    if (payload_decode(format, frame->data, frame->data_length,
-                       (enum byte_order)frame->data_order, &list) == 0) {
+    if (payload_decode(format, frame->data, frame->data_length, (enum byte_order)frame->data_order,
+                       &list) == 0) {
         take_broadcasts(context, &list);
         (void)format_release(format, &list);
     } else {

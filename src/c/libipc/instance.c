@@ -86,8 +86,7 @@ void instance_passivate(struct instance *instance)
 void instance_acknowledge(struct instance *instance)
 {
     struct _X_IPC_CONTEXT *context = instance->context;
-    if (instance->dispatch == NO_ID || instance_is_stale(instance) ||
-        !context_is_open(context)) {
+    if (instance->dispatch == NO_ID || instance_is_stale(instance) || !context_is_open(context)) {
         return;
     }
     context_acknowledge(context, instance->dispatch);

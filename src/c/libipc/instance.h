@@ -25,25 +25,25 @@ struct instance {
     uint32_t number;
     enum instance_kind kind;
     struct _X_IPC_CONTEXT *context;
-    unsigned connection;      /* of the context, over which it came */
+    unsigned connection; /* of the context, over which it came */
     struct message *message;
-    struct handler *handler;  /* deliveries */
-    HANDLER_TYPE function;    /* replies */
+    struct handler *handler; /* deliveries */
+    HANDLER_TYPE function;   /* replies */
     void *client_data;
-    uint16_t class;           /* enum frame_class */
-    int32_t dispatch;         /* deliveries: central's number; NO_ID: nothing to acknowledge */
-    struct peer *peer;        /* deliveries that came directly, one reference; else NULL */
-    int32_t reference;        /* of those, the sender's number */
-    bool wrapped;             /* content is still the whole frame's data */
-    uint8_t *content;         /* malloc block, owned until given to a handler; NULL if length is 0 */
+    uint16_t class;    /* enum frame_class */
+    int32_t dispatch;  /* deliveries: central's number; NO_ID: nothing to acknowledge */
+    struct peer *peer; /* deliveries that came directly, one reference; else NULL */
+    int32_t reference; /* of those, the sender's number */
+    bool wrapped;      /* content is still the whole frame's data */
+    uint8_t *content;  /* malloc block, owned until given to a handler; NULL if length is 0 */
     size_t length;
     enum byte_order order;
-    bool running;             /* its handler has been called and has not returned */
-    bool active;              /* counts against the capacity */
+    bool running; /* its handler has been called and has not returned */
+    bool active;  /* counts against the capacity */
     bool responded;
     bool delayed;
-    struct list *watchers;    /* notices: of this list of the context */
-    char *notice_name;        /* malloc */
+    struct list *watchers; /* notices: of this list of the context */
+    char *notice_name;     /* malloc */
     int notice_count;
 };
 

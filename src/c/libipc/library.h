@@ -57,43 +57,43 @@ struct library {
     struct list sources;       /* what that may be: all struct source but the user's descriptors */
     bool polling;              /* a thread waits in the kernel for all others */
     struct source_list *waiting; /* what it waits for, or is looking at after the wait; else NULL */
-    unsigned sleepers;         /* threads that wait for it in turn */
-    unsigned listeners;        /* threads inside a listening call */
-    int (*give_up)(void);      /* whether the thread that asks should wait no longer; NULL: never */
-    struct waker waker;        /* ends the wait in the kernel */
+    unsigned sleepers;           /* threads that wait for it in turn */
+    unsigned listeners;          /* threads inside a listening call */
+    int (*give_up)(void); /* whether the thread that asks should wait no longer; NULL: never */
+    struct waker waker;   /* ends the wait in the kernel */
 
-    bool initialised;                  /* always while a context is live (context.h) */
-    bool used;                         /* has ever been initialised: errors may end the process */
-    struct list contexts;              /* of struct _X_IPC_CONTEXT, also closed ones: they are never freed */
-    struct _X_IPC_CONTEXT *current;    /* may be closed */
-    struct running *running;           /* innermost of all threads */
-    struct turn turn;                  /* of timers and descriptors that no context owns */
+    bool initialised;     /* always while a context is live (context.h) */
+    bool used;            /* has ever been initialised: errors may end the process */
+    struct list contexts; /* of struct _X_IPC_CONTEXT, also closed ones: they are never freed */
+    struct _X_IPC_CONTEXT *current; /* may be closed */
+    struct running *running;        /* innermost of all threads */
+    struct turn turn;               /* of timers and descriptors that no context owns */
     void (*exit_procedure)(void);
     bool in_exit_procedure;
-    bool removes_files;                /* at the end of the process (direct.c) */
-    IPCX_RECONNECT reconnect;      /* what follows a loss in contexts to come */
+    bool removes_files;       /* at the end of the process (direct.c) */
+    IPCX_RECONNECT reconnect; /* what follows a loss in contexts to come */
 
     struct catalogue catalogue;
-    struct format *variable_wire;  /* wire format of variable-length messages */
+    struct format *variable_wire; /* wire format of variable-length messages */
     struct format_names *names;
-    bool names_busy;               /* a thread parses; names must not change */
-    struct table formatters;       /* canonical text -> struct format, kept for ever */
+    bool names_busy;         /* a thread parses; names must not change */
+    struct table formatters; /* canonical text -> struct format, kept for ever */
 
-    struct list timers;            /* in the order in which they were added */
+    struct list timers; /* in the order in which they were added */
     struct idpool timer_ids;
-    uint64_t next_timer_ns;        /* earliest due time, UINT64_MAX: none */
-    uint64_t timer_passes;         /* times that due timers were looked for */
-    struct poller *event_set;      /* for other event loops; NULL: nobody has asked for it */
-    int *event_fds;                /* what is in it */
+    uint64_t next_timer_ns;   /* earliest due time, UINT64_MAX: none */
+    uint64_t timer_passes;    /* times that due timers were looked for */
+    struct poller *event_set; /* for other event loops; NULL: nobody has asked for it */
+    int *event_fds;           /* what is in it */
     size_t n_event_fds;
-    struct list watched_fds;       /* of struct source, in ascending order */
-    int max_fd;                    /* largest descriptor that was ever waited for */
-    struct idpool instances;       /* numbers behind MSG_INSTANCE */
+    struct list watched_fds; /* of struct source, in ascending order */
+    int max_fd;              /* largest descriptor that was ever waited for */
+    struct idpool instances; /* numbers behind MSG_INSTANCE */
     struct list spare_instances;
 
-    struct intmap known_arrays;    /* address -> struct known_array */
-    struct list known_order;       /* oldest first */
-    struct buffer scratch;         /* for encoding; empty while a thread uses it */
+    struct intmap known_arrays; /* address -> struct known_array */
+    struct list known_order;    /* oldest first */
+    struct buffer scratch;      /* for encoding; empty while a thread uses it */
 };
 
 /* Takes the lock; makes the library at the first call. */

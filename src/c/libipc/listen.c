@@ -42,8 +42,7 @@ static void look(struct library *library, bool urgent)
 
 static void flush_late_acknowledgements(struct _X_IPC_CONTEXT *context)
 {
-    if (context->acknowledged_ns != 0 &&
-        clock_ns() - context->acknowledged_ns > ACKNOWLEDGE_NS) {
+    if (context->acknowledged_ns != 0 && clock_ns() - context->acknowledged_ns > ACKNOWLEDGE_NS) {
         (void)exchange_flush(context); /* a loss shows in the context's state */
     }
 }
@@ -150,8 +149,8 @@ static enum listen_result rounds(struct library *library, uint64_t deadline_ns,
     }
 }
 
-static enum listen_result pass(struct library *library, uint64_t deadline_ns,
-                               enum listen_mode mode, const struct awaited *awaited)
+static enum listen_result pass(struct library *library, uint64_t deadline_ns, enum listen_mode mode,
+                               const struct awaited *awaited)
 {
     library->listeners++;
     const enum listen_result result = rounds(library, deadline_ns, mode, awaited);
@@ -161,11 +160,10 @@ static enum listen_result pass(struct library *library, uint64_t deadline_ns,
     return result;
 }
 
-enum listen_result listen_pass(struct library *library, uint64_t deadline_ns,
-                               enum listen_mode mode)
+enum listen_result listen_pass(struct library *library, uint64_t deadline_ns, enum listen_mode mode)
 {
     return context_current_live(library) != NULL ? pass(library, deadline_ns, mode, NULL)
-                                         : LISTEN_DISCONNECTED;
+                                                 : LISTEN_DISCONNECTED;
 }
 
 enum listen_result listen_pass_for(struct library *library, uint64_t deadline_ns,

@@ -28,6 +28,6 @@ enum listen_result listen_pass(struct library *library, uint64_t deadline_ns,
 /* The same on behalf of a query: also ends as soon as that is done or has failed, and does not
  * care whether the current context is connected.  The query's result is in awaited. */
 enum listen_result listen_pass_for(struct library *library, uint64_t deadline_ns,
-                     const struct awaited *awaited);
+                                   const struct awaited *awaited);
 
 #endif

@@ -13,8 +13,8 @@ static bool take_module_event(struct _X_IPC_CONTEXT *context, const struct frame
 {
     char *name = NULL;
     const struct format *format = context->library->catalogue.request[LM_CONNECTED];
-    if (payload_decode(format, frame->data, frame->data_length,
-                       (enum byte_order)frame->data_order, &name) != 0 ||
+    if (payload_decode(format, frame->data, frame->data_length, (enum byte_order)frame->data_order,
+                       &name) != 0 ||
         name == NULL) {
         return true; /* nothing that anybody could be told */
     }

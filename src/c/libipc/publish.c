@@ -89,8 +89,8 @@ void publish_frame_to(struct peer *peer, struct frame *frame, const struct messa
  */
 static bool nobody_subscribes(struct _X_IPC_CONTEXT *context, const struct message *message)
 {
-    if (!context->will_listen || !context->local || !context->new_central || !context->broadcasts_known ||
-        message->n_subscriptions > 0 || context->unfinished > 0 ||
+    if (!context->will_listen || !context->local || !context->new_central ||
+        !context->broadcasts_known || message->n_subscriptions > 0 || context->unfinished > 0 ||
         table_find(&context->broadcasts, message->name) != NULL) {
         return false;
     }
@@ -106,8 +106,8 @@ static size_t send_to_targets(struct _X_IPC_CONTEXT *context, struct frame *fram
 {
     const unsigned connection = context->connection;
     size_t n_sent = 0;
-    for (size_t i = 0;
-         context_is_connected_as(context, connection) && i < message->n_targets; i++) {
+    for (size_t i = 0; context_is_connected_as(context, connection) && i < message->n_targets;
+         i++) {
         struct peer *peer = message->targets[i].peer;
         if (peer == NULL || peer->link.fd < 0) {
             continue;
@@ -175,8 +175,8 @@ static IPC_ERROR_TYPE publish_once(struct _X_IPC_CONTEXT *context, struct messag
     return publish_send(context, &frame, message, content, length);
 }
 
-IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
-                       unsigned int length, const void *content)
+IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message, unsigned int length,
+                       const void *content)
 {
     IPC_ERROR_TYPE error;
     unsigned connection;

@@ -12,8 +12,8 @@ IPC_ERROR_TYPE publish_check(const struct message *message, unsigned int *length
                              const void *content);
 
 /* Publishes so many bytes, which stay the caller's; they are checked. */
-IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message,
-                       unsigned int length, const void *content);
+IPC_ERROR_TYPE publish(struct _X_IPC_CONTEXT *context, struct message *message, unsigned int length,
+                       const void *content);
 
 /* Sends a publication or query to where the message goes: to central, or directly. */
 IPC_ERROR_TYPE publish_send(struct _X_IPC_CONTEXT *context, struct frame *frame,

@@ -17,8 +17,7 @@
 /* --------------------------------------------------------------------- asking */
 
 static IPC_ERROR_TYPE prepare(struct _X_IPC_CONTEXT *context, const char *name,
-                              unsigned int *length, const void *content,
-                              struct message **message)
+                              unsigned int *length, const void *content, struct message **message)
 {
     IPC_ERROR_TYPE error = registry_find(context, name, true, message);
     if (error == IPC_No_Error) {
@@ -29,8 +28,7 @@ static IPC_ERROR_TYPE prepare(struct _X_IPC_CONTEXT *context, const char *name,
 
 /* Sends the query; awaited is in the table before anything can come back. */
 static IPC_ERROR_TYPE send_query(struct _X_IPC_CONTEXT *context, struct message *message,
-                                 const void *content, unsigned int length,
-                                 struct awaited *awaited)
+                                 const void *content, unsigned int length, struct awaited *awaited)
 {
     struct frame frame;
     exchange_frame(context, &frame, CLASS_QUERY, message->id);
@@ -74,7 +72,8 @@ static IPC_ERROR_TYPE listen_for(struct _X_IPC_CONTEXT *context, struct awaited 
         }
         last = wait_is_over(deadline_ns); /* one more look at what is there already */
         last = is_given_up(context->library,
-                           listen_pass_for(context->library, deadline_ns, awaited)) || last;
+                           listen_pass_for(context->library, deadline_ns, awaited)) ||
+               last;
     }
     return awaited->done ? IPC_No_Error : IPC_Not_Connected;
 }
@@ -91,8 +90,8 @@ static IPC_ERROR_TYPE unwrap(struct _X_IPC_CONTEXT *context, struct awaited *awa
     if (error != IPC_No_Error) {
         return error;
     }
-    if (registry_unwrap(response->message, awaited->data, awaited->length, awaited->order,
-                        &content, &response->length) != 0) {
+    if (registry_unwrap(response->message, awaited->data, awaited->length, awaited->order, &content,
+                        &response->length) != 0) {
         return IPC_Communication_Error;
     }
     response->order = awaited->order;
@@ -104,8 +103,8 @@ static IPC_ERROR_TYPE unwrap(struct _X_IPC_CONTEXT *context, struct awaited *awa
     return IPC_No_Error;
 }
 
-IPC_ERROR_TYPE query_response(struct _X_IPC_CONTEXT *context, const char *name,
-                              unsigned int length, const void *content, unsigned int timeout_ms,
+IPC_ERROR_TYPE query_response(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
+                              const void *content, unsigned int timeout_ms,
                               struct response *response, bool *timed_out)
 {
     struct message *message;
@@ -202,9 +201,8 @@ static IPC_ERROR_TYPE send_response(struct instance *instance, const struct mess
         frame.class_length = (uint32_t)name.length;
         instance->responded = true;
         instance_passivate(instance);
-        error = instance->peer == NULL
-                    ? respond_routed(instance, &frame, message, content, length)
-                    : respond_direct(instance, &frame, message, content, length);
+        error = instance->peer == NULL ? respond_routed(instance, &frame, message, content, length)
+                                       : respond_direct(instance, &frame, message, content, length);
     }
     buffer_fini(&name);
     return error;

@@ -19,8 +19,8 @@ IPC_ERROR_TYPE query_notify(struct _X_IPC_CONTEXT *context, const char *name, un
                             const void *content, HANDLER_TYPE handler, void *client_data);
 
 /* Sends a query and listens until the response is there; *timed_out tells when it did not come. */
-IPC_ERROR_TYPE query_response(struct _X_IPC_CONTEXT *context, const char *name,
-                              unsigned int length, const void *content, unsigned int timeout_ms,
+IPC_ERROR_TYPE query_response(struct _X_IPC_CONTEXT *context, const char *name, unsigned int length,
+                              const void *content, unsigned int timeout_ms,
                               struct response *response, bool *timed_out);
 
 /* Answers an instance. */

@@ -68,9 +68,8 @@ static const char *class_text(const struct frame *frame, size_t *length)
         return NULL;
     }
     *length = load_32(frame->class_data, (enum byte_order)frame->class_order);
-    return *length > 0 && *length <= frame->class_length - 4
-               ? (const char *)frame->class_data + 4
-               : NULL;
+    return *length > 0 && *length <= frame->class_length - 4 ? (const char *)frame->class_data + 4
+                                                             : NULL;
 }
 
 static int queue_reply(struct _X_IPC_CONTEXT *context, struct awaited *awaited)
@@ -194,8 +193,7 @@ static int take_delivery(struct _X_IPC_CONTEXT *context, const struct frame *fra
 
 /* --------------------------------------------------------------------- stream */
 
-static int take_frame(struct _X_IPC_CONTEXT *context, const struct frame *frame,
-                      struct peer *peer)
+static int take_frame(struct _X_IPC_CONTEXT *context, const struct frame *frame, struct peer *peer)
 {
     if (frame->intent == INTENT_REPLY) {
         return take_reply(context, frame);
@@ -280,8 +278,7 @@ static bool write_queued(struct source *source)
         return false;
     }
     const IPC_ERROR_TYPE error = exchange_flush(context);
-    return error != IPC_No_Error ||
-           (context->writers > 0 && link_waiting(&context->link) == 0);
+    return error != IPC_No_Error || (context->writers > 0 && link_waiting(&context->link) == 0);
 }
 
 static int wanted(const struct source *source)

@@ -25,23 +25,23 @@ struct direct_target {
 };
 
 struct message {
-    char *name;     /* spelled as defined, once it is; owned */
-    bool known;     /* central has told its definition */
-    bool lost;      /* an earlier central had; what it said is still here */
-    int32_t id;     /* of central; negative: deliver directly */
+    char *name; /* spelled as defined, once it is; owned */
+    bool known; /* central has told its definition */
+    bool lost;  /* an earlier central had; what it said is still here */
+    int32_t id; /* of central; negative: deliver directly */
     enum wire_kind wire;
     size_t fixed_length;
-    struct format *content; /* NULL: none; the bad format if it is illegal; kept by the library */
+    struct format *content;   /* NULL: none; the bad format if it is illegal; kept by the library */
     unsigned n_subscriptions; /* of this module */
     int queue_limit;          /* 0: none */
     int priority;             /* -1: none */
     struct definition *definition; /* by this module; NULL: none; owned */
 
-    bool handlers_watched;    /* central keeps handlers up to date here */
-    bool handlers_known;      /* and has told them */
-    struct handler_list handlers;   /* newest subscription first; owned, of catalogue.handler_list */
-    bool targets_stale;             /* handlers have changed since targets were made */
-    struct direct_target *targets;  /* oldest subscription first, owned */
+    bool handlers_watched;         /* central keeps handlers up to date here */
+    bool handlers_known;           /* and has told them */
+    struct handler_list handlers;  /* newest subscription first; owned, of catalogue.handler_list */
+    bool targets_stale;            /* handlers have changed since targets were made */
+    struct direct_target *targets; /* oldest subscription first, owned */
     size_t n_targets;
 };
 

@@ -81,8 +81,8 @@ static void replace(struct handler *handler, HANDLER_TYPE function, void *client
 }
 
 IPC_ERROR_TYPE subscription_add(struct _X_IPC_CONTEXT *context, const char *message,
-                                const char *handler_name, HANDLER_TYPE function,
-                                void *client_data, bool unmarshall)
+                                const char *handler_name, HANDLER_TYPE function, void *client_data,
+                                bool unmarshall)
 {
     struct handler *handler = handler_get(context, handler_name);
     if (!context->will_listen) {

@@ -20,7 +20,7 @@ typedef bool (*subscription_internal)(struct _X_IPC_CONTEXT *context, struct han
 
 struct handler {
     struct list in_context; /* in its context's list of subscriptions while subscribed */
-    char *name; /* HND-<message><address>, or a name that a binding chose; owned */
+    char *name;             /* HND-<message><address>, or a name that a binding chose; owned */
     uint32_t id;
     bool registered; /* central has had its number */
     bool subscribed;
@@ -33,8 +33,8 @@ struct handler {
 
 /* Subscribes; central has it when this returns. */
 IPC_ERROR_TYPE subscription_add(struct _X_IPC_CONTEXT *context, const char *message,
-                                const char *handler_name, HANDLER_TYPE function,
-                                void *client_data, bool unmarshall);
+                                const char *handler_name, HANDLER_TYPE function, void *client_data,
+                                bool unmarshall);
 
 /* Subscribes the library itself, under the message's name. */
 IPC_ERROR_TYPE subscription_add_internal(struct _X_IPC_CONTEXT *context, const char *message,

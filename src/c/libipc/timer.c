@@ -20,7 +20,7 @@ struct timer {
     TIMER_HANDLER_TYPE handler;
     void *client_data;
     struct _X_IPC_CONTEXT *context; /* current when it was added; NULL: there was none */
-    uint64_t pass; /* the one in which it was called last */
+    uint64_t pass;                  /* the one in which it was called last */
     bool running;
     bool removed; /* while running: freed when the handler returns */
 };

@@ -11,8 +11,8 @@ struct watched_fd {
     FD_HANDLER_TYPE handler;
     void *client_data;
     struct _X_IPC_CONTEXT *context; /* current at the subscription; NULL: none was */
-    bool ready;  /* found readable, handler not called yet */
-    bool broken; /* found not open */
+    bool ready;                     /* found readable, handler not called yet */
+    bool broken;                    /* found not open */
 };
 
 /* Watches fd, or replaces handler and client data with a warning. */

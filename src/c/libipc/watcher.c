@@ -75,8 +75,8 @@ bool watcher_drop(struct list *watchers, watcher_function function, const char *
 
 /* -------------------------------------------------------------------- notices */
 
-void watcher_queue_notice(struct _X_IPC_CONTEXT *context, int32_t dispatch,
-                          struct list *watchers, char *name, int count)
+void watcher_queue_notice(struct _X_IPC_CONTEXT *context, int32_t dispatch, struct list *watchers,
+                          char *name, int count)
 {
     struct instance *notice = instance_new(context, INSTANCE_NOTICE);
     notice->dispatch = dispatch;

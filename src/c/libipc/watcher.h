@@ -26,8 +26,8 @@ bool watcher_is_any(struct list *watchers, const char *message);
 
 /* Has the watchers of that list told.  dispatch: of the delivery of central that is the news, NO_ID:
  * none.  Takes name (malloc) over. */
-void watcher_queue_notice(struct _X_IPC_CONTEXT *context, int32_t dispatch,
-                          struct list *watchers, char *name, int count);
+void watcher_queue_notice(struct _X_IPC_CONTEXT *context, int32_t dispatch, struct list *watchers,
+                          char *name, int count);
 
 /* The list of a message's handlers has changed, as that frame of central says.  Returns whether
  * nobody watches, so that the frame is done with. */

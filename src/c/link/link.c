@@ -15,10 +15,10 @@
 #include "platform/platform.h"
 
 enum {
-    LONG_CONTENT = 4096,      /* from here on sharing is cheaper than copying */
+    LONG_CONTENT = 4096, /* from here on sharing is cheaper than copying */
     FIRST_RUN = 1024,
-    KEPT_RUN = 64 * 1024,     /* more is given back once it has been written */
-    MAX_SLICES = 64           /* per system call */
+    KEPT_RUN = 64 * 1024, /* more is given back once it has been written */
+    MAX_SLICES = 64       /* per system call */
 };
 
 struct link_piece {

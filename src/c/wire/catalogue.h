@@ -82,7 +82,7 @@ enum library_message {
  * original central takes it for any unknown name.
  */
 #define ABILITY_IN_ORDER "ipc_x_in_order" /* takes in everything in the order of arrival */
-#define ABILITY_AHEAD "ipc_x_ahead"       /* keeps to its capacity itself, so more may be sent ahead */
+#define ABILITY_AHEAD "ipc_x_ahead" /* keeps to its capacity itself, so more may be sent ahead */
 
 struct library_message_entry {
     const char *name;

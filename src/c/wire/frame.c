@@ -9,7 +9,7 @@
 void frame_init(struct frame *frame, enum frame_class class)
 {
     memset(frame, 0, sizeof *frame);
-    frame->class = (uint16_t)class;
+    frame->class = (uint16_t) class;
     frame->class_order = (uint8_t)byte_order_of_host();
     frame->data_order = (uint8_t)byte_order_of_host();
     frame->parent = NO_ID;
@@ -58,8 +58,8 @@ static bool class_is_allowed(uint16_t class, enum frame_origin origin)
                         1u << CLASS_SUCCESS | 1u << CLASS_FAILURE | 1u << CLASS_BROADCAST,
         [FROM_CENTRAL] = 1u << CLASS_NONE | 1u << CLASS_QUERY | 1u << CLASS_INFORM |
                          1u << CLASS_REPLY | 1u << CLASS_BROADCAST,
-        [FROM_PEER] = 1u << CLASS_QUERY | 1u << CLASS_INFORM | 1u << CLASS_REPLY |
-                      1u << CLASS_BROADCAST,
+        [FROM_PEER] =
+            1u << CLASS_QUERY | 1u << CLASS_INFORM | 1u << CLASS_REPLY | 1u << CLASS_BROADCAST,
     };
     return class < 32 && (allowed[origin] >> class & 1u) != 0;
 }

@@ -27,14 +27,14 @@
 #define FRAME_HEADER_SIZE 28u
 
 enum {
-    NO_ID = -1,        /* no parent, dispatch, reference or intent */
-    INTENT_REPLY = -4  /* the frame answers the request that reference names */
+    NO_ID = -1,       /* no parent, dispatch, reference or intent */
+    INTENT_REPLY = -4 /* the frame answers the request that reference names */
 };
 
 enum frame_class {
-    CLASS_NONE = 0,         /* greeting frames, replies of central */
-    CLASS_SUBSCRIBED = 1,   /* in look-ups only: subscribed to, not defined */
-    CLASS_DELIVERY = 2,     /* in class look-ups only: class data of deliveries */
+    CLASS_NONE = 0,       /* greeting frames, replies of central */
+    CLASS_SUBSCRIBED = 1, /* in look-ups only: subscribed to, not defined */
+    CLASS_DELIVERY = 2,   /* in class look-ups only: class data of deliveries */
     CLASS_QUERY = 3,
     CLASS_INFORM = 6,
     CLASS_REPLY = 11,

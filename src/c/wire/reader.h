@@ -24,14 +24,14 @@ struct reader {
     size_t start; /* of what is not yet handed out */
     size_t end;
 
-    struct frame large;    /* header of the large frame under way */
-    uint8_t *large_bytes;  /* its class data and data, owned; NULL: none under way */
+    struct frame large;   /* header of the large frame under way */
+    uint8_t *large_bytes; /* its class data and data, owned; NULL: none under way */
     size_t large_capacity;
     size_t large_filled;
 
-    struct block *handed; /* block of the frame handed out last, one reference */
-    const char *violation;    /* why reader_next failed */
-    struct frame violating;   /* the header that it was */
+    struct block *handed;   /* block of the frame handed out last, one reference */
+    const char *violation;  /* why reader_next failed */
+    struct frame violating; /* the header that it was */
 };
 
 void reader_init(struct reader *reader, enum frame_origin origin);

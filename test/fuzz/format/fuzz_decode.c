@@ -14,8 +14,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void require(int condition)
 {
-    if (!condition)
+    if (!condition) {
         abort();
+    }
 }
 
 static void use(const struct format *format, void *value, enum byte_order order, size_t used)
@@ -37,15 +38,17 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const uint8_t *text = data + 1;
     const uint8_t *end = size < 2 ? NULL : memchr(text, 0, size - 1);
     struct format *format;
-    if (end == NULL || format_parse((const char *)text, NULL, &format, NULL) != 0)
+    if (end == NULL || format_parse((const char *)text, NULL, &format, NULL) != 0) {
         return 0;
+    }
     const enum byte_order order = (data[0] & 1) != 0 ? ORDER_BIG : ORDER_LITTLE;
     const uint8_t *content = end + 1;
     const struct format_source source = {content, size - (size_t)(content - data), order};
     void *value;
     size_t used;
-    if (format_decode_new(format, &source, &value, &used) == 0)
+    if (format_decode_new(format, &source, &value, &used) == 0) {
         use(format, value, order, used);
+    }
     free(value);
     format_unref(format);
     return 0;

@@ -16,16 +16,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void require(int condition)
 {
-    if (!condition)
+    if (!condition) {
         abort();
+    }
 }
 
 /* Whether a text has an array of raw bytes in it, whose text means the old form when it is read. */
 static int is_ambiguous(const char *text)
 {
-    for (; *text != '\0'; text++)
-        if (text[0] == '[' && text[1] >= '0' && text[1] <= '9')
+    for (; *text != '\0'; text++) {
+        if (text[0] == '[' && text[1] >= '0' && text[1] <= '9') {
             return 1;
+        }
+    }
     return 0;
 }
 
@@ -77,8 +80,9 @@ static char *define_all(struct format_names *names, char *text)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     char *text = malloc(size + 1);
-    if (text == NULL)
+    if (text == NULL) {
         return 0;
+    }
     memcpy(text, data, size);
     text[size] = '\0';
     struct format_names *names = format_names_new();

@@ -28,8 +28,9 @@ struct specification {
 
 static void require(int condition)
 {
-    if (!condition)
+    if (!condition) {
         abort();
+    }
 }
 
 static void specification_init(struct specification *specification, const void *bytes, size_t size)
@@ -112,8 +113,9 @@ static void read_again(const struct specification *specification)
 static FILE *nowhere(void)
 {
     static FILE *stream = NULL;
-    if (stream == NULL)
+    if (stream == NULL) {
         stream = fopen("/dev/null", "w");
+    }
     require(stream != NULL);
     return stream;
 }

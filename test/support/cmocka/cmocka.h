@@ -29,8 +29,7 @@ struct CMUnitTest {
 #define assert_true(truth) own_cmocka_check(!!(truth), __FILE__, __LINE__, #truth)
 #define assert_false(truth) own_cmocka_check(!(truth), __FILE__, __LINE__, "not " #truth)
 #define assert_null(pointer) own_cmocka_check((pointer) == NULL, __FILE__, __LINE__, #pointer)
-#define assert_non_null(pointer)                                                                   \
-    own_cmocka_check((pointer) != NULL, __FILE__, __LINE__, #pointer)
+#define assert_non_null(pointer) own_cmocka_check((pointer) != NULL, __FILE__, __LINE__, #pointer)
 #define assert_ptr_equal(one, other)                                                               \
     own_cmocka_check((const void *)(one) == (const void *)(other), __FILE__, __LINE__,             \
                      #one " == " #other)

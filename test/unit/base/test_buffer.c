@@ -33,8 +33,9 @@ static void content_survives_growth(void **state)
         assert_non_null(at);
         *at = (uint8_t)(i * 7);
     }
-    for (unsigned i = 0; i < 10000; i++)
+    for (unsigned i = 0; i < 10000; i++) {
         assert_int_equal(buffer.bytes[i], (uint8_t)(i * 7));
+    }
     assert_true(buffer.capacity < 4 * buffer.length);
     buffer_fini(&buffer);
 }
@@ -56,8 +57,9 @@ static void reserved_room_is_not_moved_later(void **state)
     buffer_init(&buffer);
     assert_int_equal(buffer_reserve(&buffer, 5000), 0);
     const uint8_t *before = buffer.bytes;
-    for (unsigned i = 0; i < 5000; i++)
+    for (unsigned i = 0; i < 5000; i++) {
         assert_int_equal(buffer_append(&buffer, "x", 1), 0);
+    }
     assert_ptr_equal(buffer.bytes, before);
     buffer_fini(&buffer);
 }

@@ -14,8 +14,9 @@ struct item {
 static int digits(const struct list *head)
 {
     int result = 0;
-    for (struct list *at = head->next; at != head; at = at->next)
+    for (struct list *at = head->next; at != head; at = at->next) {
         result = result * 10 + LIST_OWNER(at, struct item, link)->number;
+    }
     return result;
 }
 
@@ -40,8 +41,9 @@ static void a_link_may_leave_twice(void **state)
     struct list head;
     struct item items[3] = {{.number = 1}, {.number = 2}, {.number = 3}};
     list_init(&head);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         list_append(&head, &items[i].link);
+    }
     list_remove(&items[1].link);
     list_remove(&items[1].link);
     assert_int_equal(digits(&head), 13);
@@ -54,14 +56,15 @@ static void the_visited_link_may_leave(void **state)
     struct list head, *at, *following;
     struct item items[4] = {{.number = 1}, {.number = 2}, {.number = 3}, {.number = 4}};
     list_init(&head);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         list_append(&head, &items[i].link);
+    }
     int visited = 0;
-    LIST_EACH(at, following, &head)
-    {
+    LIST_EACH (at, following, &head) {
         visited++;
-        if (LIST_OWNER(at, struct item, link)->number % 2 == 0)
+        if (LIST_OWNER(at, struct item, link)->number % 2 == 0) {
             list_remove(at);
+        }
     }
     assert_int_equal(visited, 4);
     assert_int_equal(digits(&head), 13);

@@ -13,8 +13,9 @@ static void new_memory_is_zero(void **state)
 {
     (void)state;
     unsigned char *block = mem_new(1000);
-    for (int i = 0; i < 1000; i++)
+    for (int i = 0; i < 1000; i++) {
         assert_int_equal(block[i], 0);
+    }
     free(block);
 }
 
@@ -32,11 +33,13 @@ static void resizing_keeps_the_content(void **state)
 {
     (void)state;
     int *numbers = mem_resize(NULL, 4, sizeof *numbers);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         numbers[i] = i;
+    }
     numbers = mem_resize(numbers, 4000, sizeof *numbers);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         assert_int_equal(numbers[i], i);
+    }
     free(numbers);
 }
 
@@ -61,8 +64,9 @@ static void every_error_has_a_text_of_its_own(void **state)
     for (int a = ERR_REFUSED; a <= ERR_NONE; a++) {
         assert_true(strlen(error_text(a)) > 0);
         assert_string_not_equal(error_text(a), error_text(1));
-        for (int b = a + 1; b <= ERR_NONE; b++)
+        for (int b = a + 1; b <= ERR_NONE; b++) {
             assert_string_not_equal(error_text(a), error_text(b));
+        }
     }
     assert_string_equal(error_text(-1000), error_text(1));
 }

@@ -16,10 +16,12 @@ static void numbers_start_at_zero_and_count_up(void **state)
     (void)state;
     struct idpool pool;
     idpool_init(&pool);
-    for (uint32_t i = 0; i < 100; i++)
+    for (uint32_t i = 0; i < 100; i++) {
         assert_int_equal(idpool_take(&pool, &things[i]), i);
-    for (uint32_t i = 0; i < 100; i++)
+    }
+    for (uint32_t i = 0; i < 100; i++) {
         assert_ptr_equal(idpool_get(&pool, i), &things[i]);
+    }
     assert_int_equal(pool.in_use, 100);
     idpool_fini(&pool);
 }
@@ -29,8 +31,9 @@ static void the_latest_freed_number_is_given_out_first(void **state)
     (void)state;
     struct idpool pool;
     idpool_init(&pool);
-    for (uint32_t i = 0; i < 5; i++)
+    for (uint32_t i = 0; i < 5; i++) {
         (void)idpool_take(&pool, &things[i]);
+    }
     idpool_release(&pool, 1);
     idpool_release(&pool, 3);
     assert_int_equal(pool.in_use, 3);
@@ -87,11 +90,13 @@ static void a_map_finds_what_was_put(void **state)
     intmap_init(&map);
     assert_null(intmap_find(&map, 0));
     assert_null(intmap_remove(&map, 0));
-    for (uint64_t i = 0; i < N_ELEMENTS(things); i++)
+    for (uint64_t i = 0; i < N_ELEMENTS(things); i++) {
         assert_null(intmap_put(&map, i * 4096, &things[i]));
+    }
     assert_int_equal(map.count, N_ELEMENTS(things));
-    for (uint64_t i = 0; i < N_ELEMENTS(things); i++)
+    for (uint64_t i = 0; i < N_ELEMENTS(things); i++) {
         assert_ptr_equal(intmap_find(&map, i * 4096), &things[i]);
+    }
     assert_null(intmap_find(&map, 1));
     intmap_fini(&map);
 }
@@ -134,8 +139,9 @@ static void a_map_agrees_with_an_array_under_random_use(void **state)
         }
     }
     size_t count = 0;
-    for (size_t i = 0; i < N_ELEMENTS(model); i++)
+    for (size_t i = 0; i < N_ELEMENTS(model); i++) {
         count += model[i] != NULL;
+    }
     assert_int_equal(map.count, count);
     assert_true(map.n_slots <= 2048);
     intmap_fini(&map);

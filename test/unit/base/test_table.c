@@ -111,14 +111,16 @@ static void entries_come_in_order_of_insertion(void **state)
     static const char *const names[] = {"zebra", "ant", "mole", "bee"};
     struct table table;
     table_init(&table, TABLE_EXACT);
-    for (size_t i = 0; i < N_ELEMENTS(names); i++)
+    for (size_t i = 0; i < N_ELEMENTS(names); i++) {
         (void)table_put(&table, names[i], &things[i]);
+    }
     assert_ptr_equal(table_remove(&table, "ant"), &things[1]);
     (void)table_put(&table, "ant", &things[1]);
     static const char *const expected[] = {"zebra", "mole", "bee", "ant"};
     size_t n = 0;
-    for (struct table_entry *e = table_first(&table); e != NULL; e = table_next(&table, e))
+    for (struct table_entry *e = table_first(&table); e != NULL; e = table_next(&table, e)) {
         assert_string_equal(e->name, expected[n++]);
+    }
     assert_int_equal(n, 4);
     table_fini(&table);
 }

@@ -239,8 +239,8 @@ static const char *taken_file(const char *path)
     "\n*                                   Comments                                   *\n"         \
     "*                                                                              *\n"
 #define BOX_BOTTOM                                                                                 \
-    "*                                                                              *\n" STARS_40  \
-    STARS_40 "\n\n"
+    "*                                                                              "              \
+    "*\n" STARS_40 STARS_40 "\n\n"
 #define PROMPT "Enter any comments in the log file (end with blank line)\n"
 
 static void comments_are_asked_for_at_a_terminal(void **state)
@@ -271,10 +271,9 @@ static void comments_are_asked_for_at_a_terminal(void **state)
               "close Module: Closing Planner\n" BOX_TOP
               "* Second test of the day                                                       *\n"
               "* A longer comment line that is more than seventy-six characters wide and so i *\n"
-              "* s split in two                                                               *\n"
-              BOX_BOTTOM BOX_TOP
-              "* quit                                                                         *\n"
-              BOX_BOTTOM);
+              "* s split in two                                                               "
+              "*\n" BOX_BOTTOM BOX_TOP "* quit                                                     "
+              "                    *\n" BOX_BOTTOM);
     close_fixture(&f);
 }
 

@@ -223,10 +223,10 @@ static void wrong_policies_are_refused(void **state)
 
 static void wrong_limits_are_refused(void **state)
 {
-    static const char *const illegal[] = {
-        "--limit-queue-bytes=",        "--limit-queue-bytes=0",  "--limit-queue-bytes=-1",
-        "--limit-queue-bytes=5k",      "--limit-queue-bytes=nan", "--limit-queue-bytes=1e30",
-        "--limit-message-bytes=1e10",  "--limit-stuck-seconds=0"};
+    static const char *const illegal[] = {"--limit-queue-bytes=",       "--limit-queue-bytes=0",
+                                          "--limit-queue-bytes=-1",     "--limit-queue-bytes=5k",
+                                          "--limit-queue-bytes=nan",    "--limit-queue-bytes=1e30",
+                                          "--limit-message-bytes=1e10", "--limit-stuck-seconds=0"};
     static const char *const unknown[] = {"--limit-", "--limit-queue-bytes", "--limit-queue=3",
                                           "--limit-queue-bytesx=3"};
     (void)state;
@@ -236,8 +236,9 @@ static void wrong_limits_are_refused(void **state)
         const bool known = i < N_ELEMENTS(illegal);
         const char *line = known ? illegal[i] : unknown[i - N_ELEMENTS(illegal)];
         assert_int_equal(parse(&f, line), OPTIONS_WRONG);
-        (void)snprintf(expected, sizeof expected, known ? "Illegal number in %s\n"
-                       : "No such limit %s (--help lists them)\n", line);
+        (void)snprintf(expected, sizeof expected,
+                       known ? "Illegal number in %s\n" : "No such limit %s (--help lists them)\n",
+                       line);
         assert_text(&f.errors, expected);
         assert_int_equal(f.options.limits.pending_bytes, 1073741824);
         close_fixture(&f);
@@ -282,8 +283,11 @@ static void who_may_connect_and_how(void **state)
 
 static void users_that_tcp_cannot_tell_and_no_users_are_refused(void **state)
 {
-    static const char *const lines[] = {"--access=owner --bind=robot", "--bind=robot --access=owner",
-                                        "--access=everybody", "--access=group=", "--access",
+    static const char *const lines[] = {"--access=owner --bind=robot",
+                                        "--bind=robot --access=owner",
+                                        "--access=everybody",
+                                        "--access=group=",
+                                        "--access",
                                         "--access=group=no-such-group"};
     struct fixture f;
     (void)state;
@@ -383,7 +387,7 @@ static void names_to_ignore_come_from_options_and_files(void **state)
     static const char *const expected[] = {"Ping", "Foo", "Bar with blanks", "last"};
     size_t i = 0;
     struct list *at, *following;
-    LIST_EACH(at, following, &f.options.ignored) {
+    LIST_EACH (at, following, &f.options.ignored) {
         assert_string_equal(LIST_OWNER(at, struct ignored_name, in_options)->name, expected[i++]);
     }
     assert_int_equal(i, N_ELEMENTS(expected));

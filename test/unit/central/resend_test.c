@@ -64,11 +64,12 @@ static void a_broadcast_goes_only_to_who_has_lost_it(void **state)
     open_robot(&robot);
     publish_three(&robot);
     peer_lose(&robot.arm);
-    assert_non_null(strstr(station_log(&robot.station),
-                           "close Module: Closing Arm\n"
-                           "Broadcast            Ping:    Planner --> Resource Ping   (Pending)\n"
-                           "Broadcast            Ping:    Planner --> Resource Ping   (Pending)\n"
-                           "Broadcast            Ping:    Planner --> Resource Ping   (Pending)\n"));
+    assert_non_null(
+        strstr(station_log(&robot.station),
+               "close Module: Closing Arm\n"
+               "Broadcast            Ping:    Planner --> Resource Ping   (Pending)\n"
+               "Broadcast            Ping:    Planner --> Resource Ping   (Pending)\n"
+               "Broadcast            Ping:    Planner --> Resource Ping   (Pending)\n"));
     peer_connect(&robot.station, &other, "Hand");
     peer_subscribe(&other, "Ping", 1);
     peer_expect_nothing(&other);

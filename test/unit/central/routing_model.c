@@ -245,9 +245,8 @@ void model_publish(struct model *model, int message, int number)
 {
     for (size_t i = 0; i < model->n_subscriptions[message]; i++) {
         const struct model_subscription *to = &model->subscriptions[message][i];
-        const struct model_item item = {.message = message,
-                                        .number = number,
-                                        .handler = to->handler};
+        const struct model_item item = {
+            .message = message, .number = number, .handler = to->handler};
         enter(model, to->module, &item);
     }
 }
@@ -262,8 +261,7 @@ static const struct model_subscription *choose(const struct model *model, int me
         if (is_free(module)) {
             return at;
         }
-        if (best == NULL ||
-            module->waiting.count < model->modules[best->module].waiting.count) {
+        if (best == NULL || module->waiting.count < model->modules[best->module].waiting.count) {
             best = at;
         }
     }

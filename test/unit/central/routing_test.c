@@ -14,8 +14,8 @@
 #include "routing_model.h"
 
 enum {
-    STEPS = 40000,     /* of each of the situations */
-    MANY_WAIT = 500,   /* from here on only what takes messages away happens */
+    STEPS = 40000,   /* of each of the situations */
+    MANY_WAIT = 500, /* from here on only what takes messages away happens */
     DEFAULT_SEED = 20260102
 };
 
@@ -42,8 +42,8 @@ struct arrivals {
 };
 
 struct slot {
-    struct peer *peer;       /* owned; NULL: not connected */
-    struct arrivals early;   /* deliveries that the model does not expect yet */
+    struct peer *peer;     /* owned; NULL: not connected */
+    struct arrivals early; /* deliveries that the model does not expect yet */
     struct arrivals replies;
     int32_t active[MODEL_ROOM]; /* numbers of the deliveries that are active in the model */
 };
@@ -435,7 +435,10 @@ static void when_full_queues_keep_the_newest(void **state)
 {
     static const struct situation situation = {
         {"-lx", "--when-full=newest", "--limit-queue-messages=7", NULL},
-        WHEN_FULL_NEWEST, 7, true, false};
+        WHEN_FULL_NEWEST,
+        7,
+        true,
+        false};
     (void)state;
     run_situation(&situation);
 }
@@ -444,7 +447,10 @@ static void when_full_queues_keep_the_oldest(void **state)
 {
     static const struct situation situation = {
         {"-lx", "--when-full=oldest", "--limit-queue-messages=7", NULL},
-        WHEN_FULL_OLDEST, 7, true, false};
+        WHEN_FULL_OLDEST,
+        7,
+        true,
+        false};
     (void)state;
     run_situation(&situation);
 }
@@ -453,7 +459,10 @@ static void when_full_queues_end_connections(void **state)
 {
     static const struct situation situation = {
         {"-lx", "--when-full=disconnect", "--limit-queue-messages=7", NULL},
-        WHEN_FULL_DISCONNECT, 7, true, false};
+        WHEN_FULL_DISCONNECT,
+        7,
+        true,
+        false};
     (void)state;
     run_situation(&situation);
 }

@@ -41,7 +41,7 @@ void station_open(struct station *station, const char *const *arguments)
 void station_close(struct station *station)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, &station->peers) {
+    LIST_EACH (at, following, &station->peers) {
         peer_leave(LIST_OWNER(at, struct peer, in_station));
     }
     assert_true(list_is_empty(&station->server.modules));
@@ -53,7 +53,7 @@ void station_close(struct station *station)
 static void flush(struct list *modules)
 {
     struct list *at, *following;
-    LIST_EACH(at, following, modules) {
+    LIST_EACH (at, following, modules) {
         list_remove(at);
         LIST_OWNER(at, struct module, in_flush)->urgent = false;
     }

@@ -30,8 +30,9 @@ static int decode(const uint8_t *bytes, size_t length, enum byte_order order,
 {
     uint8_t *exact = malloc(length > 0 ? length : 1);
     assert_non_null(exact);
-    if (length > 0)
+    if (length > 0) {
         memcpy(exact, bytes, length);
+    }
     const struct format_source source = {exact, length, order};
     int error = format_decode(carrier, &source, format, used);
     free(exact);
@@ -161,8 +162,9 @@ static void images_that_break_a_rule_are_refused(void **state)
         struct buffer out;
         struct format *format;
         build(&out, cases[i].numbers, cases[i].count);
-        if (decode(out.bytes, out.length, ORDER_BIG, &format, NULL) != ERR_CONTENT)
+        if (decode(out.bytes, out.length, ORDER_BIG, &format, NULL) != ERR_CONTENT) {
             fail_msg("%s: accepted", cases[i].rule);
+        }
         buffer_fini(&out);
     }
 }
@@ -213,8 +215,9 @@ static void nesting_and_parts_are_bounded(void **state)
     struct buffer out;
     struct format *format;
     buffer_init(&out);
-    for (int i = 0; i < LIMIT_FORMAT_DEPTH; i++)
+    for (int i = 0; i < LIMIT_FORMAT_DEPTH; i++) {
         assert_int_equal(buffer_append(&out, "\0\0\0\3Z", 5), 0);
+    }
     assert_int_equal(buffer_append(&out, "\0\0\0\0\0\0\0\1", 8), 0);
     assert_int_equal(decode(out.bytes, out.length, ORDER_BIG, &format, NULL), ERR_CONTENT);
     assert_int_equal(decode(out.bytes + 5, out.length - 5, ORDER_BIG, &format, NULL), 0);
@@ -224,8 +227,9 @@ static void nesting_and_parts_are_bounded(void **state)
     store_be32(count, LIMIT_FORMAT_NODES + 1);
     assert_int_equal(buffer_append(&out, "\0\0\0\2", 4), 0);
     assert_int_equal(buffer_append(&out, count, 4), 0);
-    for (int i = 0; i < LIMIT_FORMAT_NODES; i++)
+    for (int i = 0; i < LIMIT_FORMAT_NODES; i++) {
         assert_int_equal(buffer_append(&out, "\0\0\0\0\0\0\0\1", 8), 0);
+    }
     assert_int_equal(decode(out.bytes, out.length, ORDER_BIG, &format, NULL), ERR_CONTENT);
     buffer_fini(&out);
 }

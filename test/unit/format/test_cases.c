@@ -50,8 +50,9 @@ static void for_each_case(void (*check)(const struct recorded *recorded))
     size_t n_checked = 0;
     for (size_t i = 0; i < cases->length; i++) {
         struct recorded recorded = {.entry = cases->parts[i]};
-        if (!vectors_bytes_fit_host(recorded.entry))
+        if (!vectors_bytes_fit_host(recorded.entry)) {
             continue;
+        }
         n_checked++;
         recorded.name = json_get(recorded.entry, "name")->text;
         recorded.format = vectors_format(recorded.entry);
@@ -67,8 +68,9 @@ static void for_each_case(void (*check)(const struct recorded *recorded))
 static void encode(const struct recorded *recorded, enum byte_order order, struct buffer *out)
 {
     buffer_init(out);
-    if (format_encode(recorded->format, recorded->value, order, out) != 0)
+    if (format_encode(recorded->format, recorded->value, order, out) != 0) {
         fail_msg("%s: cannot be encoded", recorded->name);
+    }
 }
 
 static void check_bytes(const struct recorded *recorded, enum byte_order order, const char *key)
@@ -76,14 +78,16 @@ static void check_bytes(const struct recorded *recorded, enum byte_order order, 
     const struct json *expected = json_get(recorded->entry, key);
     struct buffer out;
     encode(recorded, order, &out);
-    if (out.length != (size_t)json_get(expected, "length")->integer)
+    if (out.length != (size_t)json_get(expected, "length")->integer) {
         fail_msg("%s: %zu bytes in %s", recorded->name, out.length, key);
+    }
     const struct json *hex = json_find(expected, "hex");
     if (hex != NULL) {
         size_t length;
         uint8_t *bytes = json_bytes(hex, &length);
-        if (length > 0 && memcmp(out.bytes, bytes, length) != 0)
+        if (length > 0 && memcmp(out.bytes, bytes, length) != 0) {
             fail_msg("%s: other bytes in %s", recorded->name, key);
+        }
         free(bytes);
     } else {
         char digest[65];
@@ -110,8 +114,9 @@ static void check_measure(const struct recorded *recorded)
     size_t length = 0;
     assert_int_equal(format_measure(recorded->format, recorded->value, &length), 0);
     const struct json *expected = json_get(recorded->entry, "little_endian");
-    if (length != (size_t)json_get(expected, "length")->integer)
+    if (length != (size_t)json_get(expected, "length")->integer) {
         fail_msg("%s: measured %zu bytes", recorded->name, length);
+    }
 }
 
 static void every_value_measures_what_it_encodes_to(void **state)
@@ -128,16 +133,19 @@ static void check_decoded(const struct recorded *recorded, enum byte_order order
     encode(recorded, order, &out);
     uint8_t *exact = malloc(out.length > 0 ? out.length : 1);
     assert_non_null(exact);
-    if (out.length > 0)
+    if (out.length > 0) {
         memcpy(exact, out.bytes, out.length);
+    }
     const struct format_source source = {exact, out.length, order};
     void *decoded;
     size_t used;
-    if (format_decode_new(recorded->format, &source, &decoded, &used) != 0)
+    if (format_decode_new(recorded->format, &source, &decoded, &used) != 0) {
         fail_msg("%s: cannot be decoded", recorded->name);
+    }
     assert_int_equal(used, out.length);
-    if (!value_same(recorded->format, decoded, expected))
+    if (!value_same(recorded->format, decoded, expected)) {
         fail_msg("%s: decoded to another value", recorded->name);
+    }
     value_free(recorded->format, decoded);
     free(exact);
     buffer_fini(&out);
@@ -149,8 +157,9 @@ static void check_decoding(const struct recorded *recorded)
     void *expected = after == NULL ? recorded->value : build(recorded->format, after);
     check_decoded(recorded, ORDER_LITTLE, expected);
     check_decoded(recorded, ORDER_BIG, expected);
-    if (after != NULL)
+    if (after != NULL) {
         value_free(recorded->format, expected);
+    }
 }
 
 static void every_value_survives_encoding_and_decoding_in_both_orders(void **state)
@@ -189,8 +198,9 @@ static void check_truncated(const struct recorded *recorded)
         memcpy(exact, out.bytes, length);
         const struct format_source source = {exact, length, ORDER_LITTLE};
         void *decoded;
-        if (format_decode_new(recorded->format, &source, &decoded, NULL) == 0)
+        if (format_decode_new(recorded->format, &source, &decoded, NULL) == 0) {
             fail_msg("%s: decoded from %zu bytes", recorded->name, length);
+        }
         assert_null(decoded);
         free(exact);
     }
@@ -215,9 +225,10 @@ static void check_text(const struct recorded *recorded, const void *value,
     struct buffer out;
     buffer_init(&out);
     assert_int_equal(format_print(recorded->format, value, 0, &out), 0);
-    if (out.length != expected->length || memcmp(out.bytes, expected->text, out.length) != 0)
+    if (out.length != expected->length || memcmp(out.bytes, expected->text, out.length) != 0) {
         fail_msg("%s: printed\n%.*sinstead of\n%s", recorded->name, (int)out.length, out.bytes,
                  expected->text);
+    }
     buffer_fini(&out);
 }
 
@@ -235,8 +246,9 @@ static void every_value_prints_as_recorded(void **state)
 static void check_print_after(const struct recorded *recorded)
 {
     const struct json *after = json_find(recorded->entry, "value_after");
-    if (after == NULL)
+    if (after == NULL) {
         return;
+    }
     void *value = build(recorded->format, after);
     check_text(recorded, value, find_first(recorded->entry, "print_after_required", "print_after"));
     value_free(recorded->format, value);
@@ -270,8 +282,9 @@ static void check_size(const struct recorded *recorded)
 static void every_format_has_the_recorded_size_and_simplicity(void **state)
 {
     (void)state;
-    if (!vectors_fit_host())
+    if (!vectors_fit_host()) {
         skip();
+    }
     for_each_case(check_size);
 }
 
@@ -285,8 +298,9 @@ static void check_structures(const struct recorded *recorded)
         assert_int_equal(format_size(format), json_get(entry, "sizeof")->integer);
         assert_int_equal(format_alignment(format), json_get(entry, "align")->integer);
         assert_int_equal(format->type->n_members, offsets->length);
-        for (size_t k = 0; k < offsets->length; k++)
+        for (size_t k = 0; k < offsets->length; k++) {
             assert_int_equal(format->type->members[k]->offset, offsets->parts[k]->integer);
+        }
         format_unref(format);
     }
 }
@@ -294,8 +308,9 @@ static void check_structures(const struct recorded *recorded)
 static void every_structure_inside_has_the_recorded_layout(void **state)
 {
     (void)state;
-    if (!vectors_fit_host())
+    if (!vectors_fit_host()) {
         skip();
+    }
     for_each_case(check_structures);
 }
 

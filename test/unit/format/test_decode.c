@@ -17,8 +17,9 @@ static uint8_t *exactly(const void *bytes, size_t length)
 {
     uint8_t *copy = malloc(length > 0 ? length : 1);
     assert_non_null(copy);
-    if (length > 0)
+    if (length > 0) {
         memcpy(copy, bytes, length);
+    }
     return copy;
 }
 
@@ -48,9 +49,10 @@ static void malformed_content_is_treated_as_required(void **state)
         const struct format_source source = {exact, length, ORDER_LITTLE};
         void *value;
         int error = format_decode_new(format, &source, &value, NULL);
-        if (error != (strcmp(required, "IPC_OK") == 0 ? 0 : ERR_CONTENT))
+        if (error != (strcmp(required, "IPC_OK") == 0 ? 0 : ERR_CONTENT)) {
             fail_msg("%s, %s: %d", json_get(entry, "format")->text, json_get(entry, "fault")->text,
                      error);
+        }
         assert_int_equal(value != NULL, error == 0);
         value_free(format, value);
         free(exact);
@@ -141,8 +143,9 @@ static void nested_arrays_with_late_dimensions_are_told_apart(void **state)
         out.bytes[out.length - 1] ^= 1; /* the last dimension, whatever the order */
         out.bytes[out.length - 4] ^= 1;
         assert_int_equal(decode(format, out.bytes, out.length, order, decoded, NULL), ERR_CONTENT);
-        for (size_t length = 0; length < out.length; length++)
+        for (size_t length = 0; length < out.length; length++) {
             assert_int_equal(decode(format, out.bytes, length, order, decoded, NULL), ERR_CONTENT);
+        }
         buffer_fini(&out);
     }
     value_free(format, value);

@@ -147,8 +147,9 @@ static void a_list_that_bites_its_tail_is_refused(void **state)
     enum { N_NODES = 1000 };
     static struct node nodes[N_NODES];
     for (int back_to = 0; back_to < N_NODES; back_to += 333) {
-        for (int i = 0; i < N_NODES; i++)
+        for (int i = 0; i < N_NODES; i++) {
             nodes[i].next = &nodes[i + 1 < N_NODES ? i + 1 : back_to];
+        }
         assert_refused(format, &nodes[0], ERR_DEPTH);
     }
     format_unref(format);
@@ -170,8 +171,9 @@ static void nesting_is_bounded_but_not_by_the_stack(void **state)
     struct format *format = parse("{*!, *!}");
     enum { N_NODES = LIMIT_DATA_DEPTH + 2 };
     static struct node nodes[N_NODES];
-    for (int i = 0; i + 1 < N_NODES; i++)
+    for (int i = 0; i + 1 < N_NODES; i++) {
         nodes[i].left = &nodes[i + 1];
+    }
     assert_refused(format, &nodes[0], ERR_DEPTH);
     size_t length;
     assert_int_equal(format_measure(format, &nodes[2], &length), 0);

@@ -10,8 +10,9 @@
 static void structures_are_laid_out_as_the_compiler_does(void **state)
 {
     (void)state;
-    if (!vectors_fit_host())
+    if (!vectors_fit_host()) {
         skip();
+    }
     struct json *vectors = json_read_vectors("layout.json");
     const struct json *list = json_get(vectors, "structs");
     assert_true(list->length >= 216);
@@ -22,8 +23,9 @@ static void structures_are_laid_out_as_the_compiler_does(void **state)
         assert_int_equal(format_size(format), json_get(entry, "sizeof")->integer);
         assert_int_equal(format_alignment(format), json_get(entry, "align")->integer);
         assert_int_equal(format_is_simple(format), json_get(entry, "simple")->truth);
-        for (size_t k = 0; k < offsets->length; k++)
+        for (size_t k = 0; k < offsets->length; k++) {
             assert_int_equal(format->type->members[k]->offset, offsets->parts[k]->integer);
+        }
         format_unref(format);
     }
     json_free(vectors);
@@ -96,8 +98,9 @@ static void formats_are_equal_node_by_node(void **state)
         assert_int_equal(format_parse(json_get(pair, "a")->text, names, &a, NULL), 0);
         assert_int_equal(format_parse(json_get(pair, "b")->text, names, &b, NULL), 0);
         const bool equal = json_get(pair, "equal")->truth;
-        if (format_equal(a, b) != equal || format_equal(b, a) != equal)
+        if (format_equal(a, b) != equal || format_equal(b, a) != equal) {
             fail_msg("%s and %s", json_get(pair, "a")->text, json_get(pair, "b")->text);
+        }
         format_unref(a);
         format_unref(b);
     }
@@ -130,8 +133,9 @@ static void every_format_in_real_use_is_accepted(void **state)
         struct format *format = vectors_format(entry);
         char *canonical = format_canonical(format);
         assert_string_equal(canonical, json_get(entry, "canonical")->text);
-        if (vectors_fit_host())
+        if (vectors_fit_host()) {
             assert_int_equal(format_size(format), json_get(entry, "sizeof")->integer);
+        }
         if (vectors_fit_host() && wire_length->kind == JSON_NUMBER) {
             assert_true(format_is_flat(format));
             assert_int_equal(format->type->wire_least, wire_length->integer);

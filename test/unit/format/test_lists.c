@@ -35,9 +35,11 @@ static struct node *make_list(void)
 static int length_of(const struct node *node)
 {
     int length = 0;
-    for (; node != NULL; node = node->next)
-        if (node->number != ++length || strcmp(node->name, "n") != 0)
+    for (; node != NULL; node = node->next) {
+        if (node->number != ++length || strcmp(node->name, "n") != 0) {
             return -1;
+        }
+    }
     return length;
 }
 
@@ -134,8 +136,9 @@ static void lists_in_arrays_and_structures_are_walked_to_their_ends(void **state
     value.heads = malloc(sizeof heads);
     memcpy(value.heads, heads, sizeof heads);
     assert_int_equal(format_release(format, &value), 0);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         free(lists[i]);
+    }
     buffer_fini(&out);
     format_unref(format);
 }

@@ -18,8 +18,9 @@ static int allocations_left = -1; /* negative: without end */
 
 static bool may_allocate(void)
 {
-    if (allocations_left > 0)
+    if (allocations_left > 0) {
         allocations_left--;
+    }
     return allocations_left != 0;
 }
 
@@ -111,8 +112,9 @@ static int decode(const struct format *format, const void *source)
     void *value;
     int error = format_decode_new(format, source, &value, NULL);
     assert_int_equal(value != NULL, error == 0);
-    if (error == 0)
+    if (error == 0) {
         value_free(format, value);
+    }
     return error;
 }
 
@@ -157,8 +159,9 @@ static void decoding_deep_content_survives_every_failure(void **state)
         int error = format_decode_new(format, &source, &value, NULL);
         allocations_left = -1;
         assert_true(error == 0 || error == ERR_MEMORY);
-        if (error == 0)
+        if (error == 0) {
             value_free(format, value);
+        }
     }
     format_unref(format);
 }
@@ -177,8 +180,9 @@ static void reading_survives_every_failure(void **state)
         allocations_left = n;
         error = format_read(format, stream, value);
         allocations_left = -1;
-        if (error == 0)
+        if (error == 0) {
             assert_int_equal(format_release(format, value), 0);
+        }
     }
     assert_int_equal(error, 0);
     (void)fclose(stream);

@@ -54,8 +54,9 @@ static bool try_to_decode(const struct format *format, const uint8_t *bytes, siz
 {
     uint8_t *exact = malloc(length > 0 ? length : 1);
     assert_non_null(exact);
-    if (length > 0)
+    if (length > 0) {
         memcpy(exact, bytes, length);
+    }
     const struct format_source source = {exact, length, order};
     void *value;
     size_t used = 0;
@@ -88,8 +89,9 @@ static void damaged_content_never_crashes(void **state)
     for (size_t i = 0; i < list->length; i++) {
         const struct json *entry = list->parts[i];
         const struct json *hex = json_find(json_get(entry, "little_endian"), "hex");
-        if (hex == NULL || hex->length / 2 > LARGEST_CASE || !vectors_bytes_fit_host(entry))
+        if (hex == NULL || hex->length / 2 > LARGEST_CASE || !vectors_bytes_fit_host(entry)) {
             continue;
+        }
         size_t length;
         uint8_t *content = json_bytes(hex, &length);
         uint8_t copy[LARGEST_CASE];
@@ -97,10 +99,11 @@ static void damaged_content_never_crashes(void **state)
         for (int k = 0; k < MUTATIONS_PER_CASE; k++) {
             const size_t damaged = damage(copy, content, length, &random);
             const enum byte_order order = k % 8 == 0 ? ORDER_BIG : ORDER_LITTLE;
-            if (try_to_decode(format, copy, damaged, order))
+            if (try_to_decode(format, copy, damaged, order)) {
                 n_decoded++;
-            else
+            } else {
                 n_refused++;
+            }
         }
         format_unref(format);
         free(content);
@@ -127,8 +130,9 @@ static void damaged_images_of_formats_never_crash(void **state)
             const size_t damaged = damage(copy, content, length, &random);
             struct format_source source = {copy, damaged, ORDER_LITTLE};
             struct format *format;
-            if (format_decode(carrier, &source, &format, NULL) != 0)
+            if (format_decode(carrier, &source, &format, NULL) != 0) {
                 continue;
+            }
             char *canonical = format_canonical(format);
             assert_non_null(canonical);
             free(canonical);
@@ -150,20 +154,23 @@ static void damaged_format_strings_never_crash(void **state)
     for (int k = 0; k < 40000; k++) {
         const struct json *text =
             json_get(list->parts[next_random(&random) % list->length], "format");
-        if (text->length == 0 || text->length > LARGEST_CASE)
+        if (text->length == 0 || text->length > LARGEST_CASE) {
             continue;
+        }
         char copy[LARGEST_CASE + 1];
         memcpy(copy, text->text, text->length + 1);
-        for (uint32_t n = next_random(&random) % 4; n > 0; n--)
+        for (uint32_t n = next_random(&random) % 4; n > 0; n--) {
             copy[next_random(&random) % text->length] =
                 pieces[next_random(&random) % (sizeof pieces - 1)];
+        }
         struct format *format;
         struct format_diagnosis diagnosis;
         int error = format_parse(copy, NULL, &format, &diagnosis);
-        if (error != 0)
+        if (error != 0) {
             assert_non_null(diagnosis.text);
-        else
+        } else {
             assert_non_null(format);
+        }
         assert_true(diagnosis.position <= text->length);
         free(diagnosis.text);
         format_unref(format);

@@ -180,10 +180,12 @@ static struct format *answer(void *asked, const char *name)
     struct format *format = NULL;
     answers->asked++;
     strcpy(answers->last, name);
-    if (strcmp(name, "bad") == 0)
+    if (strcmp(name, "bad") == 0) {
         return format_bad();
-    if (strcmp(name, "known") == 0)
+    }
+    if (strcmp(name, "known") == 0) {
         (void)format_parse("{int, int}", NULL, &format, NULL);
+    }
     return format;
 }
 

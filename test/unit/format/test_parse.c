@@ -27,13 +27,16 @@ static void check_illegal(const struct json *entry)
     struct format_diagnosis diagnosis;
     struct format *format;
     int error = format_parse(text, names, &format, &diagnosis);
-    if (error != ERR_FORMAT && error != ERR_UNKNOWN)
+    if (error != ERR_FORMAT && error != ERR_UNKNOWN) {
         fail_msg("%s: result %d", text, error);
+    }
     assert_null(format);
-    if (!says(&diagnosis, json_get(required, "message")->text))
+    if (!says(&diagnosis, json_get(required, "message")->text)) {
         fail_msg("%s: said %s", text, diagnosis.text);
-    if (position != NULL && diagnosis.position != (size_t)position->integer)
+    }
+    if (position != NULL && diagnosis.position != (size_t)position->integer) {
         fail_msg("%s: position %zu", text, diagnosis.position);
+    }
     free(diagnosis.text);
     format_names_free(names);
 }
@@ -47,18 +50,23 @@ static void check_accepted(const struct json *entry)
     struct format_names *names = vectors_names(entry);
     struct format_diagnosis diagnosis;
     struct format *format;
-    if (format_parse(text, names, &format, &diagnosis) != 0)
+    if (format_parse(text, names, &format, &diagnosis) != 0) {
         fail_msg("%s: said %s", text, diagnosis.text);
+    }
     char *canonical = format_canonical(format);
     assert_string_equal(canonical, json_get(required, "canonical")->text);
-    if (vectors_fit_host())
+    if (vectors_fit_host()) {
         assert_int_equal(format_size(format), json_get(required, "sizeof")->integer);
-    if (warned != (diagnosis.text != NULL))
+    }
+    if (warned != (diagnosis.text != NULL)) {
         fail_msg("%s: said %s", text, diagnosis.text);
-    if (warned)
+    }
+    if (warned) {
         assert_true(says(&diagnosis, "Warning: Extra text after the format is ignored."));
-    if (position != NULL)
+    }
+    if (position != NULL) {
         assert_int_equal(diagnosis.position, position->integer);
+    }
     free(canonical);
     free(diagnosis.text);
     format_unref(format);
@@ -71,8 +79,9 @@ static void illegal_formats_are_refused_with_the_recorded_words(void **state)
     struct json *vectors = json_read_vectors("errors.json");
     const struct json *list = json_get(vectors, "illegal");
     assert_true(list->length >= 119);
-    for (size_t i = 0; i < list->length; i++)
+    for (size_t i = 0; i < list->length; i++) {
         check_illegal(list->parts[i]);
+    }
     json_free(vectors);
 }
 
@@ -84,10 +93,11 @@ static void odd_formats_are_treated_as_required(void **state)
     assert_true(list->length >= 53);
     for (size_t i = 0; i < list->length; i++) {
         const struct json *required = json_get(list->parts[i], "required");
-        if (strcmp(json_get(required, "outcome")->text, "error") == 0)
+        if (strcmp(json_get(required, "outcome")->text, "error") == 0) {
             check_illegal(list->parts[i]);
-        else
+        } else {
             check_accepted(list->parts[i]);
+        }
     }
     json_free(vectors);
 }
@@ -170,8 +180,9 @@ static char *repeat(const char *before, const char *piece, size_t count, const c
     const size_t length = strlen(piece);
     char *text = mem_new(strlen(before) + count * length + strlen(after) + 1);
     strcpy(text, before);
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         memcpy(text + strlen(before) + i * length, piece, length);
+    }
     strcat(text, after);
     return text;
 }

@@ -112,8 +112,9 @@ static void every_line_is_indented_at_the_cost_of_its_columns(void **state)
         const int *elements;
     };
     int elements[60];
-    for (int i = 0; i < 60; i++)
+    for (int i = 0; i < 60; i++) {
         elements[i] = i * 1000;
+    }
     const struct value value = {60, elements};
     char *all = printed("{int, <int:1>}", &value, 4);
     assert_string_equal(

@@ -42,10 +42,12 @@ static void assert_reads(const struct reading *readings, size_t count)
         struct json *json = json_parse(readings[i].value);
         void *expected = value_build(format, json);
         assert_true(format_size(format) <= sizeof value);
-        if (read_text(format, readings[i].text, value) != 0)
+        if (read_text(format, readings[i].text, value) != 0) {
             fail_msg("%s: cannot be read as %s", readings[i].text, readings[i].format);
-        if (!value_same(format, value, expected))
+        }
+        if (!value_same(format, value, expected)) {
             fail_msg("%s: read as another value of %s", readings[i].text, readings[i].format);
+        }
         (void)format_release(format, value);
         value_free(format, expected);
         json_free(json);
@@ -167,8 +169,9 @@ static void wrong_text_is_refused_and_nothing_stays(void **state)
         uint64_t value[64];
         struct format *format = must_parse(pairs[i][0]);
         memset(value, 0xee, sizeof value);
-        if (read_text(format, pairs[i][1], value) != ERR_CONTENT)
+        if (read_text(format, pairs[i][1], value) != ERR_CONTENT) {
             fail_msg("%s: read as %s", pairs[i][1], pairs[i][0]);
+        }
         assert_memory_equal(value, zero, format_size(format));
         format_unref(format);
     }
@@ -179,8 +182,9 @@ static void endless_nesting_is_refused(void **state)
     (void)state;
     FILE *stream = tmpfile();
     assert_non_null(stream);
-    for (int i = 0; i < 100000; i++)
+    for (int i = 0; i < 100000; i++) {
         (void)fputs("{*", stream);
+    }
     rewind(stream);
     struct format *format = must_parse("{*!}");
     void *value;
@@ -237,14 +241,16 @@ static void recorded_values_read_back_from_their_printed_text(void **state)
         struct format *format = vectors_format(entry);
         char *canonical = format_canonical(format);
         const struct json *json = json_find(entry, "value_after");
-        if (json == NULL)
+        if (json == NULL) {
             json = json_get(entry, "value");
+        }
         if (vectors_bytes_fit_host(entry) && is_faithful(canonical, text) &&
             format_size(format) > 0) {
             void *expected = value_build(format, json);
             void *value = malloc(format_size(format));
-            if (read_text(format, text, value) != 0 || !value_same(format, value, expected))
+            if (read_text(format, text, value) != 0 || !value_same(format, value, expected)) {
                 fail_msg("%s: %s", json_get(entry, "name")->text, text);
+            }
             value_free(format, value);
             value_free(format, expected);
             n_read++;

@@ -14,19 +14,23 @@ bool vectors_fit_host(void)
 bool vectors_bytes_fit_host(const struct json *entry)
 {
     const struct json *names = json_find(entry, "named_formats");
-    if (sizeof(long) == 8)
+    if (sizeof(long) == 8) {
         return true;
-    for (size_t i = 0; names != NULL && i < names->length; i++)
-        if (strstr(names->parts[i]->parts[1]->text, "long") != NULL)
+    }
+    for (size_t i = 0; names != NULL && i < names->length; i++) {
+        if (strstr(names->parts[i]->parts[1]->text, "long") != NULL) {
             return false;
+        }
+    }
     return strstr(json_get(entry, "format")->text, "long") == NULL;
 }
 
 struct format_names *vectors_names(const struct json *entry)
 {
     const struct json *list = json_find(entry, "named_formats");
-    if (list == NULL)
+    if (list == NULL) {
         return NULL;
+    }
     struct format_names *names = format_names_new();
     for (size_t i = 0; i < list->length; i++) {
         const struct json *pair = list->parts[i];
@@ -41,8 +45,9 @@ static struct format *parse(const char *text, const struct format_names *names)
     struct format_diagnosis diagnosis;
     struct format *format;
     int error = format_parse(text, names, &format, &diagnosis);
-    if (error != 0)
+    if (error != 0) {
         fail_msg("%s: %s", text, diagnosis.text);
+    }
     free(diagnosis.text);
     return format;
 }

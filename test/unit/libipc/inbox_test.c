@@ -165,8 +165,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_limited_message_keeps_its_turns_among_others, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(neighbours_of_one_message_move_up, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_dropped_instance_is_acknowledged_once, set_up,
-                                        tear_down),
+        cmocka_unit_test_setup_teardown(a_dropped_instance_is_acknowledged_once, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_handle_is_stale_when_its_instance_has_gone, set_up,
                                         tear_down),
     };

@@ -44,9 +44,9 @@ static void variable_data_that_lies_is_refused(void **state)
                      ERR_CONTENT);
     assert_int_equal(unwrap(&message, "\1\0\0\0\1\0\0\0ab", 10, ORDER_LITTLE, &length),
                      ERR_CONTENT);
-    assert_int_equal(unwrap(&message, "\377\377\377\377\377\377\377\377ab", 10, ORDER_LITTLE,
-                            &length),
-                     ERR_CONTENT);
+    assert_int_equal(
+        unwrap(&message, "\377\377\377\377\377\377\377\377ab", 10, ORDER_LITTLE, &length),
+        ERR_CONTENT);
     assert_int_equal(unwrap(&message, "\2\0\0\0\2\0\0", 7, ORDER_LITTLE, &length), ERR_CONTENT);
 }
 

@@ -40,15 +40,12 @@ static void formats_have_the_size_of_their_structs(void **state)
                      sizeof(struct message_definition));
     assert_int_equal(format_size(catalogue->request[LM_SUBSCRIBE]),
                      sizeof(struct subscription_notice));
-    assert_int_equal(format_size(catalogue->request[LM_RESOURCE]),
-                     sizeof(struct number_and_name));
-    assert_int_equal(format_size(catalogue->request[LM_PRIORITY]),
-                     sizeof(struct name_and_number));
+    assert_int_equal(format_size(catalogue->request[LM_RESOURCE]), sizeof(struct number_and_name));
+    assert_int_equal(format_size(catalogue->request[LM_PRIORITY]), sizeof(struct name_and_number));
     assert_int_equal(format_size(catalogue->request[LM_LIMIT_PENDING]),
                      sizeof(struct pending_limit));
     assert_int_equal(format_size(catalogue->reply[LM_HANDLERS]), sizeof(struct handler_list));
-    assert_int_equal(format_size(catalogue->reply[LM_DIRECT_INFO]),
-                     sizeof(struct handler_address));
+    assert_int_equal(format_size(catalogue->reply[LM_DIRECT_INFO]), sizeof(struct handler_address));
     assert_int_equal(format_size(catalogue->reply[LM_MESSAGE_DETAILS]),
                      sizeof(struct message_details));
     assert_int_equal(format_size(catalogue->request[LM_TAP_MESSAGE]), sizeof(struct tap));
@@ -120,8 +117,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(formats_have_the_size_of_their_structs, set_up, tear_down),
         cmocka_unit_test(names_and_aliases_are_found_in_any_case),
         cmocka_unit_test_setup_teardown(a_definition_is_encoded_as_captured, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(payloads_with_too_many_or_too_few_bytes_are_refused,
-                                        set_up, tear_down),
+        cmocka_unit_test_setup_teardown(payloads_with_too_many_or_too_few_bytes_are_refused, set_up,
+                                        tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,8 +14,8 @@
 
 /* The publication of one int by a little-endian module. */
 static const uint8_t publication[FRAME_HEADER_SIZE] = {
-    0, 0, 0, 0, 0, 0, 0, 0x0c, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0x74,
-    0x22, 0, 0, 0x0f, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0x1f};
+    0, 0,    0,    0, 0, 0,    0,    0x0c, 0xff, 0xff, 0xff, 0xff, 0, 0,
+    0, 0x74, 0x22, 0, 0, 0x0f, 0xff, 0xff, 0xff, 0xff, 0,    0,    0, 0x1f};
 
 static void a_captured_header_is_read(void **state)
 {
@@ -86,7 +86,7 @@ static void classes_are_allowed_by_origin(void **state)
     for (int class = 0; class < 40; class ++) {
         struct frame frame;
         int allowed = 0;
-        frame_init(&frame, (enum frame_class)class);
+        frame_init(&frame, (enum frame_class) class);
         for (size_t i = 0; i < sizeof from_module / sizeof from_module[0]; i++) {
             allowed |= from_module[i] == class;
         }
@@ -111,8 +111,7 @@ static void lengths_beyond_the_limits_are_refused(void **state)
     assert_non_null(judge(&frame, FROM_MODULE));
     frame.data_length = 0;
     frame.class_length = LIMIT_CLASS_DATA + 1;
-    assert_string_equal(judge(&frame, FROM_MODULE),
-                        "class length is negative or above the limit");
+    assert_string_equal(judge(&frame, FROM_MODULE), "class length is negative or above the limit");
 }
 
 static void unpacked_data_and_unknown_orders_are_refused(void **state)

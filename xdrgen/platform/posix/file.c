@@ -33,26 +33,30 @@ static enum file_result read_all(int descriptor, struct buffer *buffer)
             return FILE_NOT_READ;
         }
         const ssize_t count = read(descriptor, buffer->bytes + buffer->length, READ_SIZE);
-        if (count == 0)
+        if (count == 0) {
             return FILE_DONE;
-        if (count > 0)
+        }
+        if (count > 0) {
             buffer->length += (size_t)count;
-        else if (errno != EINTR)
+        } else if (errno != EINTR) {
             return FILE_NOT_READ;
+        }
     }
 }
 
 enum file_result file_read(const char *path, char **bytes, size_t *length)
 {
     const int descriptor = path == NULL ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0)
+    if (descriptor < 0) {
         return FILE_NOT_OPENED;
+    }
     struct buffer buffer;
     buffer_init(&buffer);
     const enum file_result result = read_all(descriptor, &buffer);
     const int reason = errno;
-    if (path != NULL)
+    if (path != NULL) {
         (void)close(descriptor); /* nothing was written, so nothing can be lost */
+    }
     *length = buffer.length;
     if (result != FILE_DONE) {
         buffer_fini(&buffer);
@@ -70,10 +74,12 @@ static bool write_all(int descriptor, const char *bytes, size_t length)
 {
     while (length > 0) {
         const ssize_t count = write(descriptor, bytes, length);
-        if (count < 0 && errno == EINTR)
+        if (count < 0 && errno == EINTR) {
             continue;
-        if (count < 0)
+        }
+        if (count < 0) {
             return false;
+        }
         bytes += count;
         length -= (size_t)count;
     }
@@ -84,12 +90,14 @@ static bool write_all(int descriptor, const char *bytes, size_t length)
 static enum file_result write_in_place(const char *path, const void *bytes, size_t length)
 {
     const int descriptor = open(path, O_WRONLY | O_CLOEXEC);
-    if (descriptor < 0)
+    if (descriptor < 0) {
         return FILE_NOT_OPENED;
+    }
     const bool is_written = write_all(descriptor, bytes, length);
     const int reason = errno;
-    if (close(descriptor) == 0 && is_written)
+    if (close(descriptor) == 0 && is_written) {
         return FILE_DONE;
+    }
     errno = is_written ? errno : reason;
     return FILE_NOT_WRITTEN;
 }
@@ -100,8 +108,9 @@ static int open_beside(const char *path, char *name, size_t size)
     for (int i = 0; i < MANY_NAMES; i++) {
         (void)snprintf(name, size, "%s.%ld-%d.tmp", path, (long)getpid(), i);
         const int descriptor = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor >= 0 || errno != EEXIST)
+        if (descriptor >= 0 || errno != EEXIST) {
             return descriptor;
+        }
     }
     return -1;
 }
@@ -120,8 +129,9 @@ static enum file_result replace(const char *path, const struct stat *old, const 
                    (old == NULL || fchmod(descriptor, old->st_mode & 07777) == 0);
     is_done = close(descriptor) == 0 && is_done && rename(name, path) == 0;
     const int reason = errno;
-    if (!is_done)
+    if (!is_done) {
         (void)unlink(name); /* the first error is the one to tell */
+    }
     free(name);
     errno = reason;
     return is_done ? FILE_DONE : FILE_NOT_WRITTEN;
@@ -130,14 +140,18 @@ static enum file_result replace(const char *path, const struct stat *old, const 
 enum file_result file_write(const char *path, const void *bytes, size_t length)
 {
     struct stat old;
-    if (path == NULL)
+    if (path == NULL) {
         return write_all(STDOUT_FILENO, bytes, length) ? FILE_DONE : FILE_NOT_WRITTEN;
-    if (stat(path, &old) != 0)
+    }
+    if (stat(path, &old) != 0) {
         return replace(path, NULL, bytes, length);
-    if (!S_ISREG(old.st_mode))
+    }
+    if (!S_ISREG(old.st_mode)) {
         return write_in_place(path, bytes, length);
-    if (access(path, W_OK) != 0)
+    }
+    if (access(path, W_OK) != 0) {
         return FILE_NOT_OPENED;
+    }
     char *target = realpath(path, NULL); /* a symbolic link stays one */
     const enum file_result result = replace(target != NULL ? target : path, &old, bytes, length);
     const int reason = errno;

@@ -263,9 +263,8 @@ int net_listen_local(const char *path, unsigned mode, struct net_local *listener
 void net_remove_local(const struct net_local *listener)
 {
     struct stat status;
-    if (listener->fd >= 0 && listener->process == getpid() &&
-        lstat(listener->path, &status) == 0 && (uint64_t)status.st_dev == listener->device &&
-        (uint64_t)status.st_ino == listener->inode) {
+    if (listener->fd >= 0 && listener->process == getpid() && lstat(listener->path, &status) == 0 &&
+        (uint64_t)status.st_dev == listener->device && (uint64_t)status.st_ino == listener->inode) {
         (void)unlink(listener->path); /* at worst a stale file stays, which the next one replaces */
     }
 }

@@ -55,8 +55,7 @@ static unsigned long socket_number(int port, bool listening)
         unsigned long inode;
         if (sscanf(line, " %*d: %*x:%x %*x:%*x %x %*s %*s %*s %*s %*s %lu", &local_port, &state,
                    &inode) == 3 &&
-            (int)local_port == port &&
-            state == (listening ? STATE_LISTENING : STATE_CONNECTED)) {
+            (int)local_port == port && state == (listening ? STATE_LISTENING : STATE_CONNECTED)) {
             number = inode;
         }
     }

@@ -31,8 +31,7 @@ static int remaining_ms(uint64_t deadline_ns, int64_t timeout_ms)
 /* poll until something is found or the time is over, or, if it should, until a signal comes. */
 static int poll_until(struct pollfd *polled, size_t n, int64_t timeout_ms, bool or_signal)
 {
-    const uint64_t deadline =
-        timeout_ms > 0 ? clock_ns() + (uint64_t)timeout_ms * 1000000u : 0;
+    const uint64_t deadline = timeout_ms > 0 ? clock_ns() + (uint64_t)timeout_ms * 1000000u : 0;
     for (;;) {
         const int left_ms = remaining_ms(deadline, timeout_ms);
         const int found = poll(polled, (nfds_t)n, left_ms);

@@ -20,7 +20,7 @@
 enum { MAX_THREADS = 16, ADDRESS_SIZE = 64 };
 
 struct resolver {
-    pthread_mutex_t lock; /* of everything here and of the states of all look-ups */
+    pthread_mutex_t lock;      /* of everything here and of the states of all look-ups */
     const struct waker *waker; /* NULL: nobody wants to be woken */
     int n_threads;
     uint64_t n_done;
@@ -123,7 +123,8 @@ static void *carry_out(void *argument)
     resolver->n_threads--;
     resolver->n_done++;
     if (resolver->waker != NULL) {
-        waker_wake(resolver->waker); /* even if this one is forgotten: another may wait for its turn */
+        waker_wake(
+            resolver->waker); /* even if this one is forgotten: another may wait for its turn */
     }
     let_go(resolver);
     if (forgotten) {

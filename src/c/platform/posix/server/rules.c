@@ -58,7 +58,7 @@ bool rules_are_known(void)
 enum rules_answer rules_ask(const struct rules_question *question)
 {
     struct inquiry inquiry = {.wants_name = false};
-    const char *name = question->name == NULL     ? ""
+    const char *name = question->name == NULL      ? ""
                        : question->name[0] == '\0' ? STRING_UNKNOWN
                                                    : question->name;
     choose_files(question);
