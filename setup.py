@@ -54,7 +54,7 @@ class BuildPrograms(Command):
         self.macros = [*_build.versions().items(), ("IPC_BUILD_TIME", '""')]
         self.includes = [os.path.join(ROOT, "src/c"), os.path.join(ROOT, "include")]
         # Access control needs libwrap, which a package for any machine cannot count on.
-        self.program("central", sources(*LOWER, "platform/posix/server", "central",
+        self.program("central", sources(*LOWER, "platform/posix/server", "central", "central/*",
                                         without=["rules.c"]))
         for command in ("killCentral", "killModule"):
             self.program(command, [*sources(*LOWER, "libipc"),

@@ -36,6 +36,9 @@ LIBIPC = """
     api_extensions api_message api_query
 """.split()
 
+# The folders of central from the ground up, likewise; the program itself is above them.
+CENTRAL = ["settings", "model", "log", "routing", "service", "operator"]
+
 # Headers of operating systems: only platform/ may include them.
 SYSTEM = re.compile(r"^(sys/|netinet/|arpa/|net/|linux/|unistd|fcntl|poll|pthread|signal|netdb"
                     r"|dirent|pwd|grp|termios|winsock|windows|ws2|tcpd|semaphore|sched)")
@@ -72,6 +75,29 @@ def test_files_of_the_library_include_only_files_below():
              if part == "libipc" and header.startswith("libipc/")
              and height(header) > height(path)]
     assert not wrong
+
+
+def test_folders_of_the_server_include_only_folders_below():
+    def height(path):
+        folder = path.split("/")[1]
+        return CENTRAL.index(folder) if "/" in path[len("central/"):] else len(CENTRAL)
+    wrong = [f"{path} includes {header}" for part, path, header, _ in includes()
+             if part == "central" and header.startswith("central/")
+             and height(header) > height(path)]
+    assert not wrong
+
+
+def test_no_files_of_the_server_include_each_other_in_a_circle():
+    """A source and its header are one file here."""
+    below = {}
+    for part, path, header, _ in includes():
+        file, other = os.path.splitext(path)[0], os.path.splitext(header)[0]
+        if part == "central" and other != file:
+            below.setdefault(file, set()).add(other)
+    while below:
+        lowest = {file for file in below if not below[file] & below.keys()}
+        assert lowest, f"circles among {sorted(below)}"
+        below = {file: others for file, others in below.items() if file not in lowest}
 
 
 def test_project_headers_are_named_from_the_root_of_the_sources():

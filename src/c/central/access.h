@@ -9,7 +9,7 @@
 #ifndef IPC_CENTRAL_ACCESS_H
 #define IPC_CENTRAL_ACCESS_H
 
-#include "central/server.h"
+#include "central/routing/server.h"
 #include "platform/resolve.h"
 
 struct access {

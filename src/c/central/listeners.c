@@ -8,7 +8,8 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "central/ending.h"
+#include "central/routing/ending.h"
+#include "central/routing/lifecycle.h"
 
 enum {
     ACCEPTED_A_TURN = 64, /* connections */

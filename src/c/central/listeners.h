@@ -9,7 +9,7 @@
 #define IPC_CENTRAL_LISTENERS_H
 
 #include "central/access.h"
-#include "central/server.h"
+#include "central/routing/server.h"
 #include "platform/platform.h"
 
 struct listeners {

@@ -7,11 +7,12 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "central/conversation.h"
-#include "central/ending.h"
-#include "central/outbox.h"
-#include "central/resend.h"
-#include "central/watch.h"
+#include "central/routing/lifecycle.h"
+#include "central/service/conversation.h"
+#include "central/routing/ending.h"
+#include "central/routing/outbox.h"
+#include "central/routing/resend.h"
+#include "central/routing/watch.h"
 #include "platform/process.h"
 
 enum {

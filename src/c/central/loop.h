@@ -7,11 +7,11 @@
 #ifndef IPC_CENTRAL_LOOP_H
 #define IPC_CENTRAL_LOOP_H
 
-#include "central/console.h"
+#include "central/operator/console.h"
 #include "central/listeners.h"
-#include "central/metrics_server.h"
-#include "central/presence.h"
-#include "central/server.h"
+#include "central/operator/metrics_server.h"
+#include "central/model/presence.h"
+#include "central/routing/server.h"
 #include "platform/platform.h"
 
 struct loop {

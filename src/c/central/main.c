@@ -35,8 +35,9 @@
 #include "base/error.h"
 #include "central/loop.h"
 #include "central/opening.h"
-#include "central/statistics.h"
-#include "central/version.h"
+#include "central/operator/statistics.h"
+#include "central/routing/lifecycle.h"
+#include "central/settings/version.h"
 #include "platform/process.h"
 
 enum exit_status { EXIT_WELL = 0, EXIT_FAILED = 1, EXIT_WRONG_USE = 2 };

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "central/console.h"
+#include "central/operator/console.h"
 
 struct fixture {
     struct station station;

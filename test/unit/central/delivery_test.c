@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "central/variable.h"
+#include "central/routing/variable.h"
 
 struct pair {
     struct station station;

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "central/limits.h"
+#include "central/settings/limits.h"
+#include "central/routing/lifecycle.h"
 
 /* Sections 3.1 of the protocol, but for the number of the look-up request and the byte order. */
 static const uint8_t greeting_after_number[] = {

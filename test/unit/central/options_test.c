@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "central/options.h"
+#include "central/settings/options.h"
 
 struct fixture {
     struct options options;

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "central/pending.h"
+#include "central/model/pending.h"
 
 enum { N_SUBJECTS = 5 };
 

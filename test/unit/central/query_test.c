@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "central/limits.h"
+#include "central/settings/limits.h"
 
 struct trio {
     struct station station;

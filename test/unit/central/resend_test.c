@@ -5,8 +5,8 @@
 
 #include <string.h>
 
-#include "central/console.h"
-#include "central/resend.h"
+#include "central/operator/console.h"
+#include "central/routing/resend.h"
 
 /* Planner defines Ping and Where, which Arm handles; Camera handles Ping as well. */
 struct robot {

@@ -11,7 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "central/when_full.h"
+#include "central/settings/when_full.h"
 
 enum {
     MODEL_MODULES = 6,

@@ -8,9 +8,10 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "central/ending.h"
-#include "central/outbox.h"
-#include "central/watch.h"
+#include "central/routing/ending.h"
+#include "central/routing/lifecycle.h"
+#include "central/routing/outbox.h"
+#include "central/routing/watch.h"
 
 enum { MAX_ARGUMENTS = 16, GREETING_SIZE = 137 };
 

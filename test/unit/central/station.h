@@ -10,8 +10,8 @@
 
 #include <stdbool.h>
 
-#include "central/conversation.h"
-#include "central/server.h"
+#include "central/service/conversation.h"
+#include "central/routing/server.h"
 
 struct station {
     struct options options;
