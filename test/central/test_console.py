@@ -336,6 +336,18 @@ def test_a_signal_asks_for_nothing(stack, central_program, tmp_path):
     assert "".join(central.stdout).count("Enter any comments") == 1
 
 
+@pytest.mark.new_central("it has no such option")
+def test_programs_are_asked_if_they_want(start_central, tmp_path):
+    central = start_central("--prompt", "-Lmi", "-fa.log", console=True, cwd=tmp_path)
+    central.wait_for_line("Enter any comments")
+    for line in ("by a program", "", "quit", ""):
+        central.write_line(line)
+    assert central.wait() == 0
+    central.stop_quietly()
+    assert "by a program" in (tmp_path / "a.log").read_text(encoding="latin-1")
+    assert "".join(central.stdout).count("Enter any comments") == 2  # at both ends
+
+
 @pytest.mark.new_central("it asks everywhere")
 def test_51_nobody_is_asked_without_a_terminal(start_central, stack, tmp_path):
     central = start_central("-Lmi", "-fa.log", cwd=tmp_path)

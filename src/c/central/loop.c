@@ -34,7 +34,7 @@ int loop_init(struct loop *loop, struct server *server)
     console_init(&loop->console, server);
     listeners_init(&loop->listeners, server, &loop->waker);
     metrics_server_init(&loop->metrics, server);
-    loop->console.at_terminal = stream_is_terminal(STREAM_INPUT);
+    loop->console.may_ask = server->options->prompt || stream_is_terminal(STREAM_INPUT);
     if (loop->poller == NULL || waker_open(&loop->waker) != 0) {
         return ERR_IO;
     }
@@ -75,7 +75,7 @@ static void start_reading_input(struct loop *loop)
     loop->reads_input = console_listens(&loop->console);
     if (loop->reads_input) {
         resend_set_asking(loop->server,
-                          loop->console.at_terminal && loop->server->options->read_commands);
+                          loop->console.may_ask && loop->server->options->read_commands);
         loop->input_is_unwatched =
             poller_add(loop->poller, STREAM_INPUT, READY_READ, &loop->console) != 0;
     }

@@ -249,7 +249,7 @@ static void comments_are_asked_for_at_a_terminal(void **state)
     struct fixture f;
     (void)state;
     open_fixture(&f);
-    f.console.at_terminal = true;
+    f.console.may_ask = true;
     const char *text = answer_to(&f, "-Lmi -fconsole_test_comments.log\n");
     assert_non_null(strstr(text, "Logging to console_test_comments.log;\n" PROMPT));
     assert_string_equal(answer_to(&f, "Second test of the day\n"), "");
@@ -283,7 +283,7 @@ static void comments_end_with_the_input(void **state)
     struct fixture f;
     (void)state;
     open_fixture(&f);
-    f.console.at_terminal = true;
+    f.console.may_ask = true;
     (void)answer_to(&f, "-Lmi -fconsole_test_comments.log\nfirst\nlast");
     console_end_input(&f.console);
     assert_false(f.console.comments.asking);
@@ -303,7 +303,7 @@ static void nobody_is_asked_for_comments_without_need(void **state)
     for (size_t i = 0; i < N_ELEMENTS(lines); i++) {
         struct fixture f;
         open_fixture(&f);
-        f.console.at_terminal = i < 2; /* the last one would ask */
+        f.console.may_ask = i < 2; /* the last one would ask */
         assert_null(strstr(answer_to(&f, lines[i]), PROMPT));
         assert_string_equal(answer_to(&f, "quit\n"), "");
         assert_true(f.console.wants_to_quit);

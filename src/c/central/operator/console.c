@@ -38,7 +38,7 @@ static void ask_for_comments(struct console *console, enum console_next next)
     const struct options *options = console->server->options;
     console->next = next;
     if (console->server->log.file.is_open && options->file.comments && !options->silent &&
-        console->at_terminal) {
+        console->may_ask) {
         comments_ask(&console->comments, &console->server->log);
     } else {
         go_on_after_comments(console);

@@ -18,7 +18,7 @@ struct console {
     struct server *server;
     struct buffer line; /* what has come of the next line */
     bool line_is_too_long;
-    bool at_terminal; /* somebody can be asked */
+    bool may_ask; /* somebody is there to answer */
     struct comments comments;
     enum console_next next;
     bool wants_to_quit;

@@ -211,6 +211,12 @@ static int refuse_commands(const struct action *action)
     return 0;
 }
 
+static int choose_prompts(const struct action *action)
+{
+    action->options->prompt = true;
+    return 0;
+}
+
 static int choose_resending(const struct action *action)
 {
     action->options->resend = true;
@@ -470,6 +476,8 @@ static const struct option table[] = {
     {'S', NULL, "", NULL, USE_ANYWHERE, choose_silence, NULL},
     {'u', "no-console", "", "-u", USE_ANYWHERE, refuse_commands,
      "Don't run the user interface (stdin).\n"},
+    {'\0', "prompt", "", NULL, USE_AT_START, choose_prompts,
+     "ask for comments, and what to resend, even if stdin is no terminal\n"},
     {'r', "resend", "", "-r", USE_ANYWHERE, choose_resending,
      "try resending non-completed messages when modules crash\n"},
     {'d', NULL, "", NULL, USE_ANYWHERE, do_nothing, NULL},

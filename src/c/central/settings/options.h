@@ -46,6 +46,7 @@ struct options {
     bool direct;
     bool silent;
     bool read_commands;
+    bool prompt; /* ask even where standard input is no terminal */
     bool resend;
     struct log_switches terminal;
     struct log_switches file;
