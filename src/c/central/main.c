@@ -38,6 +38,7 @@
 #include "central/operator/statistics.h"
 #include "central/routing/lifecycle.h"
 #include "central/settings/version.h"
+#include "central/settings/command_line.h"
 #include "platform/process.h"
 
 enum exit_status { EXIT_WELL = 0, EXIT_FAILED = 1, EXIT_WRONG_USE = 2 };

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "central/settings/options.h"
+#include "central/settings/command_line.h"
 
 struct fixture {
     struct options options;

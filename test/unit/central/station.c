@@ -12,6 +12,7 @@
 #include "central/routing/lifecycle.h"
 #include "central/routing/outbox.h"
 #include "central/routing/watch.h"
+#include "central/settings/command_line.h"
 
 enum { MAX_ARGUMENTS = 16, GREETING_SIZE = 137 };
 

@@ -16,6 +16,7 @@
 #include "central/operator/statistics.h"
 #include "central/operator/tables.h"
 #include "central/settings/version.h"
+#include "central/settings/command_line.h"
 
 enum { LIMIT_LINE = 64 * 1024 };
 
