@@ -466,7 +466,7 @@ def test_the_end_of_standard_input_ends_the_commands_only(start_console, stack):
     console.close_stdin()
     peer = stack.enter_context(Peer(console, "PEER")).connect()
     peer.sync()
-    console.wait_for_line("hostName: robot")
+    wait_until(lambda: "hostName: robot" in console.output().partition("PEER")[2], "all is printed")
     before = console.output()
     used, start = processor_time_of(console), time.monotonic()
     for _ in range(20):

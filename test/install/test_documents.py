@@ -1,4 +1,5 @@
 """The documents: their links lead somewhere, and what they name exists."""
+import glob
 import os
 import re
 
@@ -43,8 +44,8 @@ def test_links_into_documents_lead_to_headings(document):
 def test_files_that_the_map_of_the_code_names_exist():
     names = re.findall(r"`([\w./]+\.[ch])`", text_of("docs/architecture.md"))
     assert names
-    places = ["", "include/ipc", "src/c", "src/c/libipc", "src/c/central", "src/c/platform",
-              "test/install"]
+    places = ["", "include/ipc", "src/c", "src/c/libipc", "src/c/platform", "test/install",
+              *glob.glob("src/c/central/**/", root_dir=ROOT, recursive=True)]
     missing = [name for name in names
                if not any(os.path.exists(os.path.join(ROOT, place, name)) for place in places)]
     assert not missing
