@@ -37,6 +37,7 @@ class Module:
         self.deliveries = []
         self.broadcasts = None
         self.recorded_broadcasts = None
+        self.withdrawn = set()
         self.unsettled = False
         self.leaving = False
 
@@ -51,6 +52,14 @@ class Module:
             self.peer.send(Frame(12, parent=frame.reference, dispatch=frame.reference))
         else:
             self.deliveries.append(frame)
+
+    def await_recorded_broadcasts(self):
+        """Takes in frames until the list is the recorded one.  The central may have sent none between
+        that and what this module has withdrawn since."""
+        if self.recorded_broadcasts is not None:
+            self.pump(lambda: (self.broadcasts is not None and self.broadcasts | self.withdrawn
+                               == self.recorded_broadcasts | self.withdrawn),
+                      f"the list {self.recorded_broadcasts}, has {self.broadcasts}")
 
     def pump(self, condition, what):
         """Takes in frames until condition() gives something."""
@@ -136,9 +145,8 @@ class Replay:
         if module.leaving is None:
             return
         # After its close notice a module gets nothing any more.
-        if not module.leaving and module.recorded_broadcasts is not None:
-            module.pump(lambda: module.broadcasts == module.recorded_broadcasts,
-                        f"the list {module.recorded_broadcasts}, has {module.broadcasts}")
+        if not module.leaving:
+            module.await_recorded_broadcasts()
         assert not module.deliveries, f"{module.recorded.module} got more: {module.deliveries}"
         assert not module.replies, f"{module.recorded.module} got more: {module.replies}"
         try:
@@ -164,9 +172,8 @@ class Replay:
             self._note_subscription(module, name, frame)
         elif known.get(frame.dispatch, -1) is None:
             return  # the acknowledgement of an update that has been acknowledged already
-        if name == "x_ipc_CloseMsg" and module.recorded_broadcasts is not None:
-            module.pump(lambda: module.broadcasts == module.recorded_broadcasts,
-                        f"the list {module.recorded_broadcasts}, has {module.broadcasts}")
+        if name == "x_ipc_CloseMsg":
+            module.await_recorded_broadcasts()
         reference = frame.reference if frame.dispatch == -1 else known.get(frame.reference, -1)
         module.peer.send(Frame(
             frame.cls, intent, frame.data, frame.class_data,
@@ -181,6 +188,8 @@ class Replay:
             number, message, _ = codec.decode("{int, string, string}", frame.data, frame.order)
             if message == messages.WATCH_BROADCASTS and number:
                 module.watch_handler = number
+        elif name == "x_ipc_deregisterHandlerMsg":
+            module.withdrawn.add(codec.decode("{int, string, string}", frame.data, frame.order)[1])
 
     # -------------------------------------------------------------- comparing
 
