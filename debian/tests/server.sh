@@ -26,8 +26,9 @@ converse() {
     module1=$!
     exec 3>keys1
     await "Type 'm' to send" module1.log
-    printf 'm\nr\n' >&3
+    printf 'm\n' >&3
     await 'Receiving message1 (42)' module2.log
+    printf 'r\n' >&3
     await 'Receiving message2 (Hello, world)' module1.log
     await 'Received response' module1.log
     printf 'q\n' >&3
