@@ -16,11 +16,12 @@ _central() {
     *) [[ $word != -* ]] || words="
         -v --version -h --help -l --log= -L --file-log= -f --log-file= --json-log= --json-file=
         --log-size= --log-keep= -p --port= -c --direct -i --ignore= -I --ignore-file= -s --silent
-        -u --no-console -r --resend --expected-modules= --bind= --access= --hosts-allow=
-        --hosts-deny= --pid-file= --port-file= --metrics= --when-full= --limit-message-bytes=
-        --limit-name-bytes= --limit-queue-bytes= --limit-queue-messages= --limit-unsent-bytes=
-        --limit-progress-seconds= --limit-stuck-seconds= --limit-introduction-seconds=
-        --limit-look-up-seconds= --limit-strangers=" ;;
+        -u --no-console --prompt -r --resend --expected-modules= --bind= --access=
+        --hosts-allow= --hosts-deny= --pid-file= --port-file= --metrics= --when-full=
+        --limit-message-bytes= --limit-name-bytes= --limit-queue-bytes=
+        --limit-queue-messages= --limit-unsent-bytes= --limit-progress-seconds=
+        --limit-stuck-seconds= --limit-introduction-seconds= --limit-look-up-seconds=
+        --limit-strangers=" ;;
     esac
     mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
     [[ ${COMPREPLY[*]} != *= ]] || compopt -o nospace 2>/dev/null
