@@ -2,6 +2,17 @@
 # it: the CMake package ipc, and ipc.pc for pkg-config.
 include(CMakePackageConfigHelpers)
 
+# What completes the command line of a program, for each shell: from the folder of its sources.
+function(install_completions program folder)
+    set(completions ${PROJECT_SOURCE_DIR}/${folder}/completions)
+    install(FILES ${completions}/${program}.bash
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+    install(FILES ${completions}/_${program}
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+    install(FILES ${completions}/${program}.fish
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+endfunction()
+
 install(TARGETS ipc EXPORT ipcTargets
     RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR}
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
@@ -15,6 +26,9 @@ if(TARGET central)
                   ${PROJECT_SOURCE_DIR}/src/c/shell/killModule.1
         DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
     install(FILES ${PROJECT_SOURCE_DIR}/src/c/central/central.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
+    install_completions(central src/c/central)
+    install_completions(killCentral src/c/shell)
+    install_completions(killModule src/c/shell)
     # The commands find the library of their own prefix, wherever that is.
     file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
     set_target_properties(killCentral killModule PROPERTIES INSTALL_RPATH $ORIGIN/${bin_to_lib})
@@ -32,12 +46,7 @@ endif()
 if(TARGET xdrgen)
     install(TARGETS xdrgen EXPORT ipcXdrgenTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
     install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/xdrgen.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/completions/xdrgen.bash
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/completions/_xdrgen
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
-    install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/completions/xdrgen.fish
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+    install_completions(xdrgen xdrgen)
     install(FILES ${PROJECT_SOURCE_DIR}/xdrgen/ipcXdrgen.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ipc)
 endif()

@@ -1,11 +1,12 @@
-"""Completions of xdrgen's command line: they know the options that the program knows."""
+"""Completions of command lines: they know the options that the programs know."""
 import re
 
 import pytest
 
 from install.tools import run, tool
 
-OPTION = r"(?<![\w-])(-[DI]|--?[A-Za-z][\w-]*)"
+PROGRAMS = ["central", "killCentral", "killModule", "xdrgen"]
+OPTION = r"(?<![\w-])(--[a-z][\w-]*|-[A-Za-z])"
 
 
 def read(path):
@@ -13,41 +14,59 @@ def read(path):
         return file.read()
 
 
+@pytest.fixture(scope="module", params=PROGRAMS)
+def program(request):
+    return request.param
+
+
 @pytest.fixture(scope="module")
-def options(installation):
-    """The options that xdrgen's help names."""
-    found = set(re.findall(OPTION, run(f"{installation.prefix}/bin/xdrgen", "--help")))
-    assert {"-h", "--lang", "-D"} <= found
+def options(installation, program):
+    """The options that the program's help lists, one a line."""
+    text = run(installation.path(program), "--help")
+    if program.startswith("kill"):  # they have only these, and their help says nothing about them
+        assert run(installation.path(program), "-h") == text
+        return {"-h", "--help"}
+    found = set(re.findall(OPTION, "\n".join(re.findall("^ -.*", text, re.MULTILINE))))
+    assert {"-h", "--help"} < found
     return found
 
 
-def test_bash_is_told_all_options(installation, options):
-    words = re.search(r'words="(-h.*?)"', read(installation.path("xdrgen.bash")), re.DOTALL)[1]
+def test_bash_is_told_all_options(installation, program, options):
+    words = re.search(r'"\s*(-[hv].*?)"', read(installation.path(f"{program}.bash")), re.DOTALL)[1]
     assert set(re.findall(OPTION, words)) == options
 
 
-def test_zsh_is_told_all_options(installation, options):
-    text = read(installation.path("_xdrgen")).replace("_arguments -S", "")
+def test_zsh_is_told_all_options(installation, program, options):
+    text = read(installation.path(f"_{program}")).replace("_arguments -S", "")
     assert set(re.findall(OPTION, re.sub(r"\[.*?\]", "", text))) == options
 
 
-def test_fish_is_told_all_options(installation, options):
-    text = read(installation.path("xdrgen.fish"))
+def test_fish_is_told_all_options(installation, program, options):
+    text = read(installation.path(f"{program}.fish"))
     letters = {f"-{letter}" for letter in re.findall(r" -s (\w)", text)}
-    assert letters | {f"--{word}" for word in re.findall(r" -l ([\w-]+)", text)} == options
+    words = {f"--{word}" for word in re.findall(r" -l ([\w-]+)", text)}
+    assert letters | words == options
 
 
 @pytest.mark.parametrize("words,expected", [
-    (["--l"], ["--lang="]),
-    (["--lang", "=", "c"], ["c", "c++"]),
-    (["--directives", "="], ["portable", "gcc", "none"]),
-    (["messages"], [])], ids=" ".join)
+    (["xdrgen", "--l"], ["--lang="]),
+    (["xdrgen", "--lang", "=", "c"], ["c", "c++"]),
+    (["xdrgen", "--directives", "="], ["portable", "gcc", "none"]),
+    (["xdrgen", "messages"], []),
+    (["central", "--limit-st"], ["--limit-stuck-seconds=", "--limit-strangers="]),
+    (["central", "-u", "--access", "=", "o"], ["owner"]),
+    (["central", "--when-full", "="], ["wait", "newest", "oldest", "disconnect"]),
+    (["central", "--bind", "l"], ["local"]),
+    (["central", "--pid-file", "=", "a"], []),
+    (["killCentral", "--"], ["--help"]),
+    (["killModule", "name"], [])], ids=" ".join)
 def test_bash_completes(words, expected, installation):
-    script = 'source "$0"; COMP_WORDS=(xdrgen "$@"); COMP_CWORD=$#; _xdrgen; echo "${COMPREPLY[@]}"'
-    done = run(tool("bash"), "--norc", "-c", script, installation.path("xdrgen.bash"), *words)
+    script = ('source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); "_$1"; '
+              'echo "${COMPREPLY[@]}"')
+    done = run(tool("bash"), "--norc", "-c", script, installation.path(f"{words[0]}.bash"), *words)
     assert done.split() == expected
 
 
-@pytest.mark.parametrize("shell,name", [("zsh", "_xdrgen"), ("fish", "xdrgen.fish")])
-def test_other_shells_can_read_theirs(shell, name, installation):
-    run(tool(shell), "-n", installation.path(name))
+@pytest.mark.parametrize("shell,form", [("zsh", "_{}"), ("fish", "{}.fish")])
+def test_other_shells_can_read_theirs(shell, form, program, installation):
+    run(tool(shell), "-n", installation.path(form.format(program)))

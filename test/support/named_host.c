@@ -7,6 +7,7 @@
  *
  *   IPC_TEST_OWN_NAME      the name of this machine
  *   IPC_TEST_HOSTS         names, with blanks between them, that mean 127.0.0.1
+ *   IPC_TEST_UNKNOWN       a name that nobody knows
  *   IPC_TEST_DEFAULT_PORT  the port that is reached by connecting to 1381
  */
 #define _GNU_SOURCE /* RTLD_NEXT */
@@ -75,6 +76,9 @@ int getaddrinfo(const char *host, const char *service, const struct addrinfo *hi
 {
     getaddrinfo_function *original;
     find_original("getaddrinfo", &original);
+    if (host && strcmp(host, setting("IPC_TEST_UNKNOWN")) == 0) {
+        return EAI_NONAME;
+    }
     return original(host && is_known(host) ? "127.0.0.1" : host, service, hints, found);
 }
 

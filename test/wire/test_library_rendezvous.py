@@ -69,6 +69,15 @@ def test_names_that_the_original_does_not_take_are_resolved(host, start_driver_o
         assert first_contact(central, driver) == "tcp"
 
 
+@pytest.mark.new_library("it asks for the name like for any other")
+def test_localhost_is_this_machine_where_nobody_knows_the_name(start_driver_on):
+    """A Debian that has just been set up has no /etc/hosts."""
+    with FakeCentral() as central:
+        driver = start_driver_on("robot", env={"CENTRALHOST": f"localhost:{central.port}",
+                                               "IPC_TEST_UNKNOWN": "localhost"})
+        assert first_contact(central, driver) == "tcp"
+
+
 @pytest.mark.new_library("it knows no IPv6")
 def test_an_ipv6_address_stands_in_brackets(start_driver_on):
     """Section 1.2."""

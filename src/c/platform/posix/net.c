@@ -108,6 +108,17 @@ static int port_of(const struct sockaddr_storage *name)
     }
 }
 
+/* As getaddrinfo. "localhost" is this machine also where nobody knows the name, as in a system that
+ * has just been set up and has no /etc/hosts. */
+static int look_up(const char *host, const char *service, const struct addrinfo *hints,
+                   struct addrinfo **found)
+{
+    const int error = getaddrinfo(host, service, hints, found);
+    return error != 0 && host != NULL && strcmp(host, "localhost") == 0
+               ? getaddrinfo("127.0.0.1", service, hints, found)
+               : error;
+}
+
 static int listen_at_first(const struct addrinfo *places, int *port, int *fd)
 {
     struct sockaddr_storage name;
@@ -137,9 +148,9 @@ int net_listen_tcp(const char *address, int *port, int *fd)
     hints.ai_family = AF_INET; /* modules of CMU IPC have no other, so names mean that first */
     hints.ai_socktype = SOCK_STREAM;
     snprintf(service, sizeof service, "%d", *port);
-    if (getaddrinfo(address, service, &hints, &places) != 0) {
+    if (look_up(address, service, &hints, &places) != 0) {
         hints.ai_family = AF_INET6;
-        if (getaddrinfo(address, service, &hints, &places) != 0) {
+        if (look_up(address, service, &hints, &places) != 0) {
             return ERR_UNKNOWN;
         }
     }
@@ -394,7 +405,7 @@ int net_connect_tcp(const char *host, int port, int timeout_ms, int (*give_up)(v
     hints.ai_family = AF_UNSPEC;
     hints.ai_socktype = SOCK_STREAM;
     snprintf(service, sizeof service, "%d", port);
-    if (getaddrinfo(host, service, &hints, &targets) != 0) {
+    if (look_up(host, service, &hints, &targets) != 0) {
         return ERR_UNKNOWN;
     }
     int error = ERR_UNKNOWN;
