@@ -180,6 +180,11 @@ def py_disconnect(module: Any, number: int) -> None:
 
 
 @ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]
+def py_connection(connected: int, number: int) -> None:
+    _happened(number, bool(connected))
+
+
+@ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]
 def py_change(message: Any, n_handlers: int, number: int) -> None:
     _happened(number, to_text(message), n_handlers)
 

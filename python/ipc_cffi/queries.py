@@ -60,11 +60,13 @@ class Reply(Arrival):
 
 
 def query_notify(msgName: Text, length: int, content: Any, handler: Optional[Handler],
-                 clientData: Any, decoded: bool, cls: Optional[type]) -> Optional[Reply]:
+                 clientData: Any, decoded: bool, cls: Optional[type],
+                 numpy: bool = False) -> Optional[Reply]:
     """Sends a query; the reply that is to come, None if sending has failed."""
     if handler is not None:
         check_handler(handler)
-    reply = Reply(current_context(), handler or (lambda *ignored: None), clientData, decoded, cls)
+    reply = Reply(current_context(), handler or (lambda *ignored: None), clientData, decoded, cls,
+                  numpy)
     result = None
     try:
         result = send(lib.glue_query_notify, (text_argument(msgName),), length, content,

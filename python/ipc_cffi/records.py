@@ -49,14 +49,30 @@ class IPCdata:
         """The members by name, nested structures too."""
         return {name: _as_plain(getattr(self, name)) for name in _names_set(self)}
 
-    @reprlib.recursive_repr()
     def __repr__(self) -> str:
-        named = hasattr(type(self), "_fields")
-        parts = [f"{name}: {getattr(self, name)!r}" if named else repr(getattr(self, name))
-                 for name in _names_set(self)]
-        return f"<{type(self).__name__}{': ' if parts else ''}{'; '.join(parts)}>"
+        return _shown(self)
 
     __str__ = __repr__
+
+
+@reprlib.recursive_repr()
+def _shown(record: IPCdata) -> str:
+    named = hasattr(type(record), "_fields")
+    parts = [f"{name}: {getattr(record, name)!r}" if named else repr(getattr(record, name))
+             for name in _names_set(record)]
+    return f"<{type(record).__name__}{': ' if parts else ''}{'; '.join(parts)}>"
+
+
+def eq(a: Any, b: Any) -> bool:
+    """Whether two values have equal members; == of IPCdata asks whether they are the same."""
+    if isinstance(a, IPCdata) and isinstance(b, IPCdata):
+        a, b = vars(a), vars(b)
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(eq(a[name], b[name]) for name in a)
+    if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)):
+        return len(a) == len(b) and all(map(eq, a, b))
+    equal = a == b
+    return bool(equal.all() if hasattr(equal, "all") else equal)
 
 
 def _stored_name(record: IPCdata, name: str) -> str:

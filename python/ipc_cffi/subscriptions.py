@@ -5,7 +5,7 @@ from typing import Any, Callable, Optional, Tuple
 
 from ._ffi import ffi, lib
 from .bytearrays import BYTE_ARRAY
-from .constants import IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE
+from .constants import IPC_Error, IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE
 from .errors import fail, raise_error, warn
 from .formatters import decode, formatter_at
 from .handlers import (MSG_INSTANCE, Handler, Registration, Table, check_handler, current_context,
@@ -92,7 +92,7 @@ def subscribe(msgName: Text, handler: Any, clientData: Any, decoded: bool,
     arrival = Arrival(key[0], handler, clientData, decoded, cls, numpy)
     arrival.wire_name = _wire_name(msgName, handler, arrival.number)
     _subscriptions.add(key, arrival)
-    result = None
+    result = IPC_Error
     try:
         result = listen(lib.glue_subscribe, text_argument(msgName), arrival.wire_name,
                         arrival.number)
@@ -175,7 +175,7 @@ class Watching:
         watch = self._watches.of(key)
         if not watch:
             watch = [Watch(key[0], key, self._watchers)]
-            result = None
+            result = IPC_Error
             try:
                 result = listen(self._switch, *arguments, 1, watch[0].number)
             finally:

@@ -162,7 +162,7 @@ class VariableStep(Step):
         for index in self.references:
             if values[index] is MISSING or values[index] is None:
                 values[index] = 0 if part is None or part is MISSING else _length(part)
-            part = part[0] if _length(part) else ()
+            part = part[0] if part is not None and _length(part) else ()
 
     def encode(self, values: Sequence[Any], out: bytearray, names: Fields) -> None:
         array = values[self.first]
