@@ -136,11 +136,7 @@ class Fields:
             if with_lengths and hints.is_list(hint):
                 names.append(None)
                 classes.append(None)
-            convert = hints.conversion(hint)
-            if convert is not None:
-                self.conversions[len(names)] = convert
-            if hints.wants_numpy(hint):
-                self.numpy.add(len(names))
+            self._convert(len(names), hint)
             names.append(name)
             classes.append(hints.class_in(hint))
         self.names, self._classes = tuple(names), tuple(classes)
@@ -156,6 +152,17 @@ class Fields:
             names.append(name)
             classes.append(cls)
         self.names, self._classes = tuple(names), tuple(classes)
+        if dataclasses.is_dataclass(self.cls):
+            for index, hint in enumerate(hints.member_hints(self.cls, names)):
+                self._convert(index, hint)
+
+    def _convert(self, index: int, hint: Any) -> None:
+        """Heeds the type of a member, beyond what class its structures have."""
+        convert = hints.conversion(hint)
+        if convert is not None:
+            self.conversions[index] = convert
+        if hints.wants_numpy(hint):
+            self.numpy.add(index)
 
     def class_of(self, index: int) -> Optional[type]:
         """The class of the structures in a member, None if nothing is said about them."""
