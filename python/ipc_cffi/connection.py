@@ -24,10 +24,11 @@ from .format import Format
 from .formatters import IPC_defineFormat
 from .handlers import MSG_INSTANCE
 from .hints import format_of
-from .library import Text, send, text_argument, waits
+from .library import Text, waits
 from .listening import (IPC_addTimerGetRef, IPC_removeTimerByRef, IPC_subscribeFD,
                         IPC_unsubscribeFD, TIMER_REF)
-from .messages import (IPC_defineMsg, IPC_dataLength, IPC_msgInstanceName, Refused, encoded_for)
+from .messages import (IPC_defineMsg, IPC_dataLength, IPC_msgInstanceName, Refused, encoded_for,
+                       publish_data)
 from .queries import IPC_delayResponse, IPC_respondData, Reply, query_data, query_notify
 from .reconnect import (IPCX_RECONNECT_FAIL, IPCX_RECONNECT_NEVER, IPCX_RECONNECT_WAIT,
                         IPCx_setReconnect, IPCx_subscribeConnection)
@@ -38,6 +39,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: What a connection does about exceptions in handlers: "raise", "log", or what it calls with them.
 OnError = Union[str, Callable[[BaseException], Any]]
+
+#: The level of the module logging, which is not imported for it.
+DEBUG = 10
 
 _RECONNECT = {"never": IPCX_RECONNECT_NEVER, "fail": IPCX_RECONNECT_FAIL,
               "wait": IPCX_RECONNECT_WAIT}
@@ -199,10 +203,29 @@ class _Adapter:
     def __call__(self, instance: MSG_INSTANCE, data: Any, client_data: Any) -> None:
         message = Message(instance, data)
         traffic = logger("ipc.traffic")
-        if traffic.isEnabledFor(10):
+        if traffic.isEnabledFor(DEBUG):
             traffic.debug("received %s, %d bytes", message.name, IPC_dataLength(instance))
         with self._connection._failures():
             self._handler(message)
+
+
+class _Current:
+    """A with block in which a context is the current one."""
+
+    __slots__ = ("_context", "_before")
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+
+    def __enter__(self) -> None:
+        self._before = lib.IPC_getContext()
+        if self._before != self._context:
+            lib.IPC_setContext(self._context)
+
+    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
+                 trace: Optional[TracebackType]) -> None:
+        if self._before not in (self._context, ffi.NULL):
+            lib.IPC_setContext(self._before)
 
 
 class Connection:
@@ -260,19 +283,9 @@ class Connection:
         with self._current():
             return IPC_isConnected()
 
-    @contextlib.contextmanager
-    def _current(self) -> Iterator[None]:
+    def _current(self) -> _Current:
         """Makes this connection the current one for a while."""
-        before = lib.IPC_getContext()
-        if before == self.context.pointer:
-            yield
-            return
-        lib.IPC_setContext(self.context.pointer)
-        try:
-            yield
-        finally:
-            if before != ffi.NULL:
-                lib.IPC_setContext(before)
+        return _Current(self.context.pointer)
 
     @contextlib.contextmanager
     def _failures(self) -> Iterator[None]:
@@ -317,11 +330,11 @@ class Connection:
     @_guarded(IPC_Error)
     def publish(self, name: Text, data: Any = None) -> IPC_RETURN_TYPE:
         """Sends data to all who subscribe to the message."""
+        traffic = logger("ipc.traffic")
+        tell = functools.partial(traffic.debug, "published %s, %d bytes", name) \
+            if traffic.isEnabledFor(DEBUG) else None
         with self._current():
-            length, content = _encoded(name, data)
-            result = checked(send(lib.IPC_publish, (text_argument(name),), length, content))
-        logger("ipc.traffic").debug("published %s, %d bytes", name, length)
-        return result
+            return checked(publish_data(name, data, tell))
 
     @overload
     def query(self, name: Text, data: Any = ..., timeout: Optional[float] = ..., *,

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import sys
-from typing import Any, Dict, NoReturn, Optional, Tuple
+from typing import Any, Dict, NoReturn, Optional, Tuple, Union
 
 from . import tree
 from ._ffi import ffi, lib
@@ -11,7 +11,7 @@ from .constants import (IPC_No_Error, IPC_Null_Argument, IPC_OK,
                         IPC_RETURN_TYPE, IPC_Wrong_Buffer_Length)
 from .errors import fail, raise_error
 from .library import Text, begin, listen, text_argument, to_text, waits
-from .values import BadBytes, Converter, Style
+from .values import BadBytes, Content, Converter, Style
 
 
 class FORMATTER_PTR:
@@ -95,7 +95,7 @@ def IPC_msgFormatter(msgName: Optional[Text]) -> Optional[FORMATTER_PTR]:
 
 # ----------------------------------------------------------------- marshalling
 
-def encode(formatter: Optional[FORMATTER_PTR], data: Any) -> bytearray:
+def encode(formatter: Optional[FORMATTER_PTR], data: Any) -> Union[bytearray, memoryview]:
     """The bytes of data; raises what says why they do not fit."""
     if formatter is not None:
         return formatter.converter.encode(data)
@@ -120,7 +120,7 @@ def IPC_setArrayType(name: str) -> None:
     _Arrays.numpy = name == "numpy"
 
 
-def decode(formatter: FORMATTER_PTR, content: bytes, order: str, cls: Optional[type],
+def decode(formatter: FORMATTER_PTR, content: Content, order: str, cls: Optional[type],
            numpy: bool = False) -> Any:
     """The data of the bytes of a message.  No bytes are no data, if the format needs any."""
     if not content and formatter.converter.codec.least > 0:

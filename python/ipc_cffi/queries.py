@@ -8,11 +8,11 @@ from .bytearrays import BYTE_ARRAY, IPC_VARCONTENT_TYPE
 from .constants import (IPC_Error, IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE,
                         IPC_Wrong_Buffer_Length)
 from .errors import fail
-from .handlers import MSG_INSTANCE, Handler, check_handler, current_context
+from .handlers import MSG_INSTANCE, Handler, check_handler, current_context, taken
 from .library import Text, listen, number_argument, send, text_argument
 from .messages import Refused, content_arguments, encoded_for, instance_argument
 from .subscriptions import Arrival, byte_array, received
-from .values import BadBytes
+from .values import BadBytes, Content
 
 # ------------------------------------------------------------------- answering
 
@@ -54,7 +54,7 @@ def IPC_delayResponse(msgInstance: Optional[MSG_INSTANCE]) -> IPC_RETURN_TYPE:
 class Reply(Arrival):
     """The handler of the first reply to one query."""
 
-    def arrived(self, instance: MSG_INSTANCE, content: bytes, order: str) -> None:
+    def arrived(self, instance: MSG_INSTANCE, content: Content, order: str) -> None:
         self.end()
         super().arrived(instance, content, order)
 
@@ -109,7 +109,7 @@ def IPC_queryNotifyData(msgName: Text, data: Any,
 
 # ---------------------------------------------------------- asking and waiting
 
-Taken = Callable[[Any, bytes, str], Any]
+Taken = Callable[[Any, Content, str], Any]
 
 
 def _query(take: Taken, msgName: Text, length: int, content: Any,
@@ -119,14 +119,10 @@ def _query(take: Taken, msgName: Text, length: int, content: Any,
     reply = ffi.new("struct reply *")
     try:
         result = send(lib.glue_query, (text_argument(msgName),), length, content, limit, reply)
-        if result != IPC_OK:
-            return None, result
-        data = b""
-        if reply.content != ffi.NULL:
-            data = ffi.buffer(reply.content, reply.length)[:]
     finally:
-        if reply.content != ffi.NULL:
-            lib.IPC_freeByteArray(reply.content)
+        data = taken(reply.content, reply.length)
+    if result != IPC_OK:
+        return None, result
     try:
         return take(reply.formatter, data, "big" if reply.is_big_endian else "little"), IPC_OK
     except BadBytes:

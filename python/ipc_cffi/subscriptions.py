@@ -11,10 +11,10 @@ from .formatters import decode, formatter_at
 from .handlers import (MSG_INSTANCE, Handler, Registration, Table, check_handler, current_context,
                        handler_name, run)
 from .library import Text, listen, text_argument, to_bytes, to_text, waits
-from .values import BadBytes
+from .values import BadBytes, Content
 
 
-def byte_array(content: bytes, order: str) -> Optional[BYTE_ARRAY]:
+def byte_array(content: Content, order: str) -> Optional[BYTE_ARRAY]:
     """Received bytes as handlers get them, None for none."""
     if not content:
         return None
@@ -23,7 +23,7 @@ def byte_array(content: bytes, order: str) -> Optional[BYTE_ARRAY]:
     return array
 
 
-def received(formatter: Any, content: bytes, order: str, cls: Optional[type],
+def received(formatter: Any, content: Content, order: str, cls: Optional[type],
              numpy: bool = False) -> Any:
     """Received bytes as data; without a format they stay bytes.  Raises BadBytes."""
     known = formatter_at(formatter)
@@ -45,7 +45,7 @@ class Arrival(Registration):
     def use(self, clientData: Any, decoded: bool, cls: Optional[type], numpy: bool) -> None:
         self.client_data, self.decoded, self.cls, self.numpy = clientData, decoded, cls, numpy
 
-    def arrived(self, instance: MSG_INSTANCE, content: bytes, order: str) -> None:
+    def arrived(self, instance: MSG_INSTANCE, content: Content, order: str) -> None:
         if not self.decoded:
             self.handler(instance, byte_array(content, order), self.client_data)
             return
