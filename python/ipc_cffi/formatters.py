@@ -1,6 +1,7 @@
 """Formats and marshalling [manual 6]."""
 from __future__ import annotations
 
+import functools
 import sys
 from typing import Any, Dict, NoReturn, Optional, Tuple, Union
 
@@ -38,17 +39,14 @@ def _image(pointer: Any) -> bytes:
 
 
 # The library keeps a format as long as the process lives, so its address stands for it.
-_known: Dict[int, FORMATTER_PTR] = {}
+_known: Dict[Any, FORMATTER_PTR] = {}
 
 
 def formatter_at(pointer: Any) -> Optional[FORMATTER_PTR]:
     """The formatter of a pointer of the library."""
-    if pointer == ffi.NULL:
-        return None
-    address = int(ffi.cast("uintptr_t", pointer))
-    found = _known.get(address)
-    if found is None:
-        found = _known[address] = FORMATTER_PTR(pointer)
+    found = _known.get(pointer)
+    if found is None and pointer != ffi.NULL:
+        found = _known[pointer] = FORMATTER_PTR(pointer)
     return found
 
 
@@ -105,6 +103,9 @@ def encode(formatter: Optional[FORMATTER_PTR], data: Any) -> Union[bytearray, me
     return bytearray()
 
 
+_style = functools.lru_cache(maxsize=None)(Style)
+
+
 class _Arrays:
     """What arrays of numbers are decoded to where nothing else is asked for."""
 
@@ -125,7 +126,7 @@ def decode(formatter: FORMATTER_PTR, content: Content, order: str, cls: Optional
     """The data of the bytes of a message.  No bytes are no data, if the format needs any."""
     if not content and formatter.converter.codec.least > 0:
         return None
-    return formatter.converter.decode(content, Style(order, numpy or _Arrays.numpy), cls)
+    return formatter.converter.decode(content, _style(order, numpy or _Arrays.numpy), cls)
 
 
 def IPC_marshall(formatter: Optional[FORMATTER_PTR], data: Any,

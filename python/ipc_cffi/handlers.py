@@ -10,7 +10,7 @@ import threading
 from typing import Any, Callable, Dict, Generic, Iterator, List, Optional, TypeVar
 
 from ._ffi import ffi, lib
-from .library import handler_failed, to_text
+from .library import LARGE, handler_failed, to_text
 from .values import Content
 
 Handler = Callable[..., Any]
@@ -138,10 +138,6 @@ def forget_context(context: Any) -> None:
 
 
 # ------------------------------------------------------------------ the calls
-
-#: Byte arrays of this size and more are not copied.
-LARGE = 1 << 14
-
 
 def taken(content: Any, length: int) -> Content:
     """The bytes of a byte array of the library, which are freed with what is returned."""

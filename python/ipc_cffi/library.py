@@ -103,11 +103,17 @@ def listen(function: Callable[..., int], *arguments: Any) -> IPC_RETURN_TYPE:
     return result(waits(function, *arguments))
 
 
+#: Bytes of this number and more are not copied; a copy of fewer is quicker than a view of them.
+LARGE = 1 << 14
+
+
 def send(function: Callable[..., int], before: Tuple[Any, ...], length: int, content: Any,
          *after: Any) -> IPC_RETURN_TYPE:
     """Calls a function of the library that takes bytes behind other arguments."""
     if content is None:
         return listen(function, *before, length, ffi.NULL, *after)
+    if length < LARGE:
+        return listen(function, *before, length, bytes(content), *after)
     # Given back at once: what an exception keeps alive would not be otherwise.
     with ffi.from_buffer(content) as view:
         return listen(function, *before, length, view, *after)

@@ -12,7 +12,7 @@ from .errors import fail, raise_error
 from .formatters import (FORMATTER_PTR, IPC_msgFormatter, ask_for_formatter, encode,
                          formatter_at)
 from .handlers import MSG_INSTANCE
-from .library import Text, listen, number_argument, send, text_argument, to_text, waits
+from .library import LARGE, Text, listen, number_argument, send, text_argument, to_text, waits
 
 
 def instance_argument(msgInstance: Any) -> Any:
@@ -119,11 +119,11 @@ def _publish(name: Any, data: Any, tell: Optional[Callable[[int], Any]]) -> int:
     if pointer == ffi.NULL and lib.IPC_errno:
         return IPC_Error
     content = encode(formatter_at(pointer), data)
-    if content:
+    if len(content) >= LARGE:
         with ffi.from_buffer(content) as view:
             result = int(lib.IPC_publish(name, len(content), view))
     else:
-        result = int(lib.IPC_publish(name, 0, ffi.NULL))
+        result = int(lib.IPC_publish(name, len(content), bytes(content) if content else ffi.NULL))
     if tell is not None and result == IPC_OK:
         tell(len(content))
     return result
