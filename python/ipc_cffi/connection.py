@@ -35,6 +35,7 @@ from .reconnect import (IPCX_RECONNECT_FAIL, IPCX_RECONNECT_NEVER, IPCX_RECONNEC
 from .subscriptions import IPC_unsubscribe, subscribe
 
 T = TypeVar("T")
+R = TypeVar("R")
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: What a connection does about exceptions in handlers: "raise", "log", or what it calls with them.
@@ -372,12 +373,20 @@ class Connection:
         return Question(reply)
 
     @overload
-    def subscribe(self, name: Text, handler: Callable[[Message[Any]], Any], *,
-                  type: Optional[Type[Any]] = ..., numpy: bool = ...) -> Subscription: ...
+    def subscribe(self, name: Text, handler: Callable[[Message[T]], Any], *,
+                  type: Type[T], numpy: bool = ...) -> Subscription: ...
 
     @overload
-    def subscribe(self, name: Text, handler: None = ..., *, type: Optional[Type[Any]] = ...,
-                  numpy: bool = ...) -> Callable[[Function], Function]: ...
+    def subscribe(self, name: Text, handler: Callable[[Message[Any]], Any], *,
+                  type: None = ..., numpy: bool = ...) -> Subscription: ...
+
+    @overload
+    def subscribe(self, name: Text, handler: None = ..., *, type: Type[T], numpy: bool = ...
+                  ) -> Callable[[Callable[[Message[T]], R]], Callable[[Message[T]], R]]: ...
+
+    @overload
+    def subscribe(self, name: Text, handler: None = ..., *, type: None = ..., numpy: bool = ...
+                  ) -> Callable[[Function], Function]: ...
 
     @_guarded(None)
     def subscribe(self, name: Text, handler: Optional[Callable[[Message[Any]], Any]] = None, *,
@@ -450,9 +459,17 @@ class Connection:
         assert reference is not None
         return Timer(reference)
 
+    @overload
+    def messages(self, *names: Text, type: Type[T], timeout: Optional[float] = ...,
+                 numpy: bool = ..., queries: bool = ..., maxsize: int = ...) -> Messages[T]: ...
+
+    @overload
+    def messages(self, *names: Text, type: None = ..., timeout: Optional[float] = ...,
+                 numpy: bool = ..., queries: bool = ..., maxsize: int = ...) -> Messages[Any]: ...
+
     def messages(self, *names: Text, type: Optional[Type[Any]] = None,
                  timeout: Optional[float] = None, numpy: bool = False, queries: bool = False,
-                 maxsize: int = 0) -> Messages:
+                 maxsize: int = 0) -> Messages[Any]:
         """The messages of these names as they come, until none has come for timeout seconds.
 
         maxsize limits how many wait here; then the oldest are dropped.  With queries the messages
@@ -461,7 +478,7 @@ class Connection:
         return Messages(self, names, type, timeout, numpy, queries, maxsize)
 
 
-class Messages:
+class Messages(Generic[T]):
     """An iterator over messages.  Its subscriptions end with the loop, or with close()."""
 
     def __init__(self, connection: Connection, names: Tuple[Text, ...],
@@ -470,7 +487,7 @@ class Messages:
         self._connection = connection
         self._timeout = timeout
         self._queries = queries
-        self._waiting: Deque[Message[Any]] = deque(maxlen=maxsize or None)
+        self._waiting: Deque[Message[T]] = deque(maxlen=maxsize or None)
         #: How many messages were dropped because maxsize were waiting.
         self.dropped = 0
         self._subscriptions: List[Subscription] = []
@@ -478,14 +495,14 @@ class Messages:
             self._subscriptions.append(
                 connection.subscribe(name, self._arrived, type=type, numpy=numpy))
 
-    def _arrived(self, message: Message[Any]) -> None:
+    def _arrived(self, message: Message[T]) -> None:
         if self._queries:
             message.delay()
         if len(self._waiting) == self._waiting.maxlen:
             self.dropped += 1
         self._waiting.append(message)
 
-    def __iter__(self) -> Iterator[Message[Any]]:
+    def __iter__(self) -> Iterator[Message[T]]:
         """What is used in a for loop: leaving the loop ends the subscriptions."""
         try:
             while True:
@@ -496,7 +513,7 @@ class Messages:
         finally:
             self.close()
 
-    def get(self) -> Optional[Message[Any]]:
+    def get(self) -> Optional[Message[T]]:
         """The next message, None if none has come in time, or the connection was closed."""
         end = None if self._timeout is None else time.monotonic() + self._timeout
         while not self._waiting:
@@ -513,7 +530,7 @@ class Messages:
             with subscription:
                 pass
 
-    def __enter__(self) -> Messages:
+    def __enter__(self) -> Messages[T]:
         return self
 
     def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],

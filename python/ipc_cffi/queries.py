@@ -1,7 +1,7 @@
 """Queries and responses [manual 5, 6.13 to 6.15]."""
 from __future__ import annotations
 
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple, Type, TypeVar, overload
 
 from ._ffi import ffi, lib
 from .bytearrays import BYTE_ARRAY, IPC_VARCONTENT_TYPE
@@ -13,6 +13,9 @@ from .library import Text, listen, number_argument, send, text_argument
 from .messages import Refused, content_arguments, encoded_for, instance_argument
 from .subscriptions import Arrival, byte_array, received
 from .values import BadBytes, Content
+
+T = TypeVar("T")
+
 
 # ------------------------------------------------------------------- answering
 
@@ -142,6 +145,16 @@ def IPC_queryResponseVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE]
     if varcontent is None:
         return None, fail(IPC_Null_Argument)
     return IPC_queryResponse(msgName, varcontent.length, varcontent.content, timeout)
+
+
+@overload
+def IPC_queryResponseData(msgName: Text, data: Any, timeoutMSecs: Any,
+                          responseClass: Type[T]) -> Tuple[Optional[T], IPC_RETURN_TYPE]: ...
+
+
+@overload
+def IPC_queryResponseData(msgName: Text, data: Any, timeoutMSecs: Any,
+                          responseClass: None = ...) -> Tuple[Any, IPC_RETURN_TYPE]: ...
 
 
 def IPC_queryResponseData(msgName: Text, data: Any, timeoutMSecs: Any,

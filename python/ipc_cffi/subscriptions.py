@@ -1,7 +1,7 @@
 """Subscriptions [manual 4.26 to 4.28, 4.42 to 4.48]."""
 from __future__ import annotations
 
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple, Type, TypeVar, overload
 
 from ._ffi import ffi, lib
 from .bytearrays import BYTE_ARRAY
@@ -12,6 +12,10 @@ from .handlers import (MSG_INSTANCE, Handler, Registration, Table, check_handler
                        handler_name, run)
 from .library import Text, listen, text_argument, to_bytes, to_text, waits
 from .values import BadBytes, Content
+
+
+T = TypeVar("T")
+C = TypeVar("C")
 
 
 def byte_array(content: Content, order: str) -> Optional[BYTE_ARRAY]:
@@ -106,6 +110,21 @@ def IPC_subscribe(msgName: Text, handler: Callable[[MSG_INSTANCE, Optional[BYTE_
                   clientData: Any = None) -> IPC_RETURN_TYPE:
     """Has handler called with the bytes of each instance of the message."""
     return subscribe(msgName, handler, clientData, False, None)
+
+
+@overload
+def IPC_subscribeData(msgName: Text, handler: Callable[[MSG_INSTANCE, T, C], Any],
+                      clientData: C, dataClass: Type[T]) -> IPC_RETURN_TYPE: ...
+
+
+@overload
+def IPC_subscribeData(msgName: Text, handler: Callable[[MSG_INSTANCE, T, Any], Any],
+                      *, dataClass: Type[T]) -> IPC_RETURN_TYPE: ...
+
+
+@overload
+def IPC_subscribeData(msgName: Text, handler: Callable[[MSG_INSTANCE, Any, C], Any],
+                      clientData: C = ..., dataClass: None = ...) -> IPC_RETURN_TYPE: ...
 
 
 def IPC_subscribeData(msgName: Text, handler: Callable[[MSG_INSTANCE, Any, Any], Any],

@@ -158,7 +158,7 @@ class VariableStep(Step):
 
     def supply_sizes(self, values: List[Any]) -> None:
         """Sets the sizes that are missing or None."""
-        part = values[self.first]
+        part: Any = values[self.first]
         for index in self.references:
             if values[index] is MISSING or values[index] is None:
                 values[index] = 0 if part is None or part is MISSING else _length(part)
