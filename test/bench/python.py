@@ -505,18 +505,23 @@ def play(system, roles, address, kind, count):
             process.wait()
 
 
-def measure(system, options, kind):
-    """Medians of messages a second and of the round trip, and how many runs they are of."""
-    results = [[], []]
+def measure(systems, options, kind):
+    """Medians of messages a second and of the round trip, for each system.
+
+    One after the other in each run, so that what else the machine does is the same for all.
+    """
+    results = {system: ([], []) for system in systems}
     for _ in range(options.runs):
-        for result, roles, count in zip(results, (["sink", "flood"], ["echo", "ping"]),
-                                        COUNTS[kind]):
-            with system.server(options) as address:
-                try:
-                    result.append(play(system, roles, address, kind, count // options.divide))
-                except (RuntimeError, subprocess.TimeoutExpired) as error:
-                    print(f"    {error}", file=sys.stderr)
-    return [statistics.median(result) if result else None for result in results]
+        for system in systems:
+            for result, roles, count in zip(results[system], (["sink", "flood"], ["echo", "ping"]),
+                                            COUNTS[kind]):
+                with system.server(options) as address:
+                    try:
+                        result.append(play(system, roles, address, kind, count // options.divide))
+                    except (RuntimeError, subprocess.TimeoutExpired) as error:
+                        print(f"    {error}", file=sys.stderr)
+    return {system: [statistics.median(result) if result else None for result in both]
+            for system, both in results.items()}
 
 
 def line(name, figures, ours):
@@ -556,11 +561,9 @@ def main():
     for kind in COUNTS:
         if options.only in kind:
             print(kind, flush=True)
-            ours = None
-            for system in [*systems, C]:
-                figures = measure(system, options, kind)
-                ours = ours or figures
-                print(line(system.name, figures, ours), flush=True)
+            results = measure([*systems, C], options, kind)
+            for system, figures in results.items():
+                print(line(system.name, figures, results[Ipc]), flush=True)
 
 
 if __name__ == "__main__":
