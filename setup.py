@@ -2,7 +2,7 @@
 
 Besides the extension module these are the programs of the project, which the package brings along:
 the server central, the commands killCentral and killModule, and, where bison and flex are found,
-xdrgen.  With a library that is installed (IPC_CFFI_LIBRARY) they are expected to be so as well.
+xdrgen; and what C programs are built with: headers, the static library, a file for pkg-config.  With a library that is installed (IPC_CFFI_LIBRARY) they are expected to be so as well.
 """
 import glob
 import os
@@ -33,6 +33,23 @@ def is_newer(target, files):
                                           for file in files)
 
 
+def headers():
+    """What else all that is compiled depends on."""
+    return [*glob.glob(os.path.join(ROOT, "**/*.h"), recursive=True),
+            os.path.join(ROOT, "CMakeLists.txt")]
+
+
+PKG_CONFIG = """\
+prefix=${{pcfiledir}}/../..
+
+Name: ipc
+Description: Inter-Process Communication for the modules of a robot
+Version: {version}
+Cflags: -I${{prefix}}/include -I${{prefix}}/include/ipc
+Libs: -L${{prefix}}/lib -lipc -pthread
+"""
+
+
 class BuildPrograms(Command):
     """Compiles the programs into the package."""
 
@@ -59,6 +76,7 @@ class BuildPrograms(Command):
         for command in ("killCentral", "killModule"):
             self.program(command, [*sources(*LOWER, "libipc"),
                                    os.path.relpath(os.path.join(ROOT, f"src/c/shell/{command}.c"))])
+        self.library()
         if shutil.which("bison") and shutil.which("flex"):
             self.xdrgen()
         else:
@@ -67,8 +85,7 @@ class BuildPrograms(Command):
     def program(self, name, files, includes=(), macros=()):
         """Compiles and links one program if it is not up to date."""
         target = os.path.join(self.build_lib, "ipc_cffi", "bin", name)
-        headers = glob.glob(os.path.join(ROOT, "**/*.h"), recursive=True)
-        if is_newer(target, [*files, *headers, os.path.join(ROOT, "CMakeLists.txt")]):
+        if is_newer(target, [*files, *headers()]):
             return
         objects = self.compiler.compile(
             files, output_dir=os.path.join(self.build_temp, name),
@@ -76,6 +93,25 @@ class BuildPrograms(Command):
             extra_postargs=["-std=gnu99"])
         self.compiler.link_executable(objects, name, output_dir=os.path.dirname(target),
                                       extra_postargs=["-pthread"])
+
+    def library(self):
+        """Adds what C programs need to be built against this copy of the library."""
+        package = os.path.join(self.build_lib, "ipc_cffi")
+        files = sources(*LOWER, "libipc")
+        folders = [os.path.join(package, name) for name in ("include/ipc", "lib/pkgconfig")]
+        for folder in folders:
+            os.makedirs(folder, exist_ok=True)
+        for header in ("ipc.h", "ipcx.h"):
+            shutil.copy(os.path.join(ROOT, "include/ipc", header), folders[0])
+        with open(os.path.join(folders[1], "ipc.pc"), "w", encoding="utf-8") as file:
+            file.write(PKG_CONFIG.format(version=_build.versions()["IPC_VERSION"].strip('"')))
+        target = os.path.join(package, "lib", "libipc.a")
+        if is_newer(target, [*files, *headers()]):
+            return
+        objects = self.compiler.compile(
+            files, output_dir=os.path.join(self.build_temp, "libipc"), macros=self.macros,
+            include_dirs=self.includes, extra_postargs=["-std=gnu99", "-fPIC", "-fvisibility=hidden"])
+        self.compiler.create_static_lib(objects, "ipc", output_dir=os.path.dirname(target))
 
     def xdrgen(self):
         """Makes the parser and builds xdrgen."""

@@ -12,7 +12,8 @@ from . import (bytearrays, constants, contexts, errors, formatters, handlers, li
 from .bytearrays import BYTE_ARRAY, IPC_VARCONTENT_TYPE, IPC_freeByteArray, createByteArray
 from .central import Central as Central
 from .connection import (Connection as Connection, Message as Message, Messages as Messages,
-                         Subscription as Subscription, Timer as Timer, connect as connect)
+                         Question as Question, Subscription as Subscription, Timer as Timer,
+                         connect as connect)
 from .constants import *
 from .contexts import *
 from .errors import (BadData as BadData, CommunicationError as CommunicationError,
@@ -21,6 +22,7 @@ from .errors import (BadData as BadData, CommunicationError as CommunicationErro
                      MismatchedFormat as MismatchedFormat, NotConnected as NotConnected,
                      NotInitialized as NotInitialized, NullArgument as NullArgument,
                      OutOfRange as OutOfRange, WrongLength as WrongLength)
+from .format import Format as Format
 from .formatters import *
 from .formatters import IPC_setArrayType as IPC_setArrayType
 from .handlers import MSG_INSTANCE
@@ -30,7 +32,16 @@ from .hints import (Byte as Byte, Char as Char, Double as Double, Float as Float
 from .listening import *
 from .messages import *
 from .queries import *
-from .records import IPCdata
+from .places import (include_dir as include_dir, library_path as library_path,
+                     library_version as library_version, pkgconfig_dir as pkgconfig_dir)
+from .reconnect import (IPCX_RECONNECT as IPCX_RECONNECT,
+                        IPCX_RECONNECT_FAIL as IPCX_RECONNECT_FAIL,
+                        IPCX_RECONNECT_NEVER as IPCX_RECONNECT_NEVER,
+                        IPCX_RECONNECT_WAIT as IPCX_RECONNECT_WAIT,
+                        IPCx_setReconnect as IPCx_setReconnect,
+                        IPCx_subscribeConnection as IPCx_subscribeConnection,
+                        IPCx_unsubscribeConnection as IPCx_unsubscribeConnection)
+from .records import IPCdata, eq as eq
 from .subscriptions import *
 
 __version__ = "4.0.0"

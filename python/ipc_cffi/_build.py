@@ -59,6 +59,7 @@ IPC_RETURN_TYPE IPC_dispatch(void);
 IPC_RETURN_TYPE IPCx_process(void);
 int IPCx_fd(void);
 long IPCx_nextTimeout(void);
+IPC_RETURN_TYPE IPCx_setReconnect(int);
 
 FORMATTER_PTR IPC_parseFormat(const char *);
 IPC_RETURN_TYPE IPC_defineFormat(const char *, const char *);
@@ -80,12 +81,14 @@ IPC_RETURN_TYPE glue_subscribe_fd(int, uintptr_t);
 IPC_RETURN_TYPE glue_unsubscribe_fd(int);
 IPC_RETURN_TYPE glue_watch_connect(int, uintptr_t);
 IPC_RETURN_TYPE glue_watch_disconnect(int, uintptr_t);
+IPC_RETURN_TYPE glue_watch_connection(int, uintptr_t);
 IPC_RETURN_TYPE glue_watch_change(const char *, int, uintptr_t);
 IPC_RETURN_TYPE glue_add_timer(unsigned long, long, uintptr_t, TIMER_REF *);
 struct reply { void *content; unsigned int length; int is_big_endian; FORMATTER_PTR formatter; };
 IPC_RETURN_TYPE glue_query(const char *, unsigned int, void *, unsigned int, struct reply *);
 IPC_RETURN_TYPE glue_publish_fixed(const char *, unsigned int, void *);
 int glue_connections(int *, int);
+const char *glue_version(void);
 char *glue_print(FORMATTER_PTR, void *, unsigned int);
 void glue_free(void *);
 
@@ -94,6 +97,7 @@ extern "Python" {
     void py_descriptor(int, uintptr_t);
     void py_connect(char *, uintptr_t);
     void py_disconnect(char *, uintptr_t);
+    void py_connection(int, uintptr_t);
     void py_change(char *, int, uintptr_t);
     void py_timer(uintptr_t, unsigned long, unsigned long);
     int py_give_up(void);
@@ -110,8 +114,9 @@ def read(*path):
 def versions():
     """What library and server announce, as CMakeLists.txt has it."""
     text = read(ROOT, "CMakeLists.txt")
-    return {"IPC_VERSION": '"%s"' % re.search(r"VERSION (\d+\.\d+\.\d+)", text).group(1),
-            "IPC_RELEASE_DATE": '"%s"' % re.search(r'IPC_RELEASE_DATE "(.*?)"', text).group(1)}
+    patterns = {"IPC_VERSION": r"VERSION (\d+\.\d+\.\d+)",
+                "IPC_RELEASE_DATE": r'IPC_RELEASE_DATE "(.*?)"'}
+    return {name: '"%s"' % re.findall(pattern, text)[0] for name, pattern in patterns.items()}
 
 
 def library():

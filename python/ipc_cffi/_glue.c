@@ -32,6 +32,7 @@ static void py_message(MSG_INSTANCE instance, void *content, unsigned int length
 static void py_descriptor(int fd, uintptr_t number);
 static void py_connect(char *module, uintptr_t number);
 static void py_disconnect(char *module, uintptr_t number);
+static void py_connection(int connected, uintptr_t number);
 static void py_change(char *message, int n_handlers, uintptr_t number);
 static void py_timer(uintptr_t number, unsigned long now, unsigned long scheduled);
 static int py_give_up(void);
@@ -60,6 +61,11 @@ static void on_connect(const char *module, void *number)
 static void on_disconnect(const char *module, void *number)
 {
     py_disconnect((char *)(uintptr_t)module, (uintptr_t)number);
+}
+
+static void on_connection(int connected, void *number)
+{
+    py_connection(connected, (uintptr_t)number);
 }
 
 static void on_change(const char *message, int n_handlers, void *number)
@@ -127,6 +133,12 @@ static IPC_RETURN_TYPE glue_watch_disconnect(int on, uintptr_t number)
 {
     return on ? IPC_subscribeDisconnect(on_disconnect, (void *)number)
               : IPC_unsubscribeDisconnect(on_disconnect);
+}
+
+static IPC_RETURN_TYPE glue_watch_connection(int on, uintptr_t number)
+{
+    return on ? IPCx_subscribeConnection(on_connection, (void *)number)
+              : IPCx_unsubscribeConnection(on_connection);
 }
 
 static IPC_RETURN_TYPE glue_watch_change(const char *message, int on, uintptr_t number)
@@ -203,6 +215,16 @@ static int glue_connections(int *fds, int room)
         }
     }
     return n_fds;
+}
+
+/* The version of the library, if it is compiled into this module. */
+static const char *glue_version(void)
+{
+#ifdef IPC_VERSION
+    return IPC_VERSION;
+#else
+    return NULL;
+#endif
 }
 
 /* The text that IPC_printData writes for encoded bytes; the caller frees it.  NULL on error. */

@@ -13,19 +13,18 @@ nothing is asked again and again.  Handlers may be coroutine functions.
 from __future__ import annotations
 
 import asyncio
+import functools
 import inspect
 import weakref
 from types import TracebackType
-from typing import Any, AsyncIterator, Callable, Dict, List, Optional, Tuple, Type
+from typing import Any, AsyncIterator, Callable, Dict, List, Optional, Set, Tuple, Type
 
 from ._ffi import lib
 from .connection import Connection, Message, OnError, Subscription, Timer
-from .constants import IPC_VARIABLE_LENGTH
+from .constants import IPC_Not_Connected, IPC_VARIABLE_LENGTH
+from .contexts import has_ended
 from .errors import IPCTimeout, NotConnected, last_error
-from .handlers import MSG_INSTANCE
 from .library import Text, waits
-from .messages import Refused, encoded_for
-from .queries import query_notify
 
 Handler = Callable[[Message[Any]], Any]
 
@@ -106,18 +105,18 @@ class AsyncConnection:
     """A connection of a program that uses asyncio."""
 
     def __init__(self, name: Text, server: Optional[Text] = None, *,
-                 on_handler_error: OnError = "raise") -> None:
-        self._arguments = (name, server)
-        self._on_handler_error = on_handler_error
+                 on_handler_error: OnError = "raise", reconnect: Optional[str] = None) -> None:
+        self._connect = functools.partial(
+            Connection, name, server, on_handler_error=on_handler_error, reconnect=reconnect)
         self._connection: Optional[Connection] = None
         self._pump: Optional[_Pump] = None
-        self._pending: Dict[asyncio.Future[Any], Any] = {}
+        self._pending: Set[asyncio.Future[Any]] = set()
         self._streams: weakref.WeakSet[Stream] = weakref.WeakSet()
         self._tasks: Dict[asyncio.Task[Any], None] = {}
 
     async def __aenter__(self) -> AsyncConnection:
-        name, server = self._arguments
-        self._connection = Connection(name, server, on_handler_error=self._on_handler_error)
+        self._connection = self._connect()
+        self._connection.on_connection(self._switched)
         self._pump = _pump()
         self._pump.add(self)
         return self
@@ -144,13 +143,20 @@ class AsyncConnection:
 
     def _look(self) -> None:
         """Ends what waits for a connection that has gone."""
-        if self._connection is None or not self._connection.is_connected:
+        if self._connection is None or has_ended(self._connection.context):
             self._end_waits()
 
-    def _end_waits(self) -> None:
-        for future in list(self._pending):
+    def _switched(self, connected: bool) -> None:
+        if not connected:
+            self._end_queries()
+
+    def _end_queries(self) -> None:
+        for future in self._pending:
             if not future.done():
-                future.set_exception(NotConnected("the connection has ended", 1))
+                future.set_exception(last_error(IPC_Not_Connected))
+
+    def _end_waits(self) -> None:
+        self._end_queries()
         for stream in list(self._streams):
             stream._end()
 
@@ -177,53 +183,48 @@ class AsyncConnection:
         self._changed()
 
     async def query(self, name: Text, data: Any = None, timeout: Optional[float] = None, *,
-                    type: Optional[Type[Any]] = None) -> Any:
+                    type: Optional[Type[Any]] = None, numpy: bool = False) -> Any:
         """Asks and waits for the answer; raises IPCTimeout if none comes in timeout seconds.
 
         An answer that comes after the query was cancelled is forgotten.
         """
         future: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
 
-        def answered(_instance: MSG_INSTANCE, answer: Any, _client_data: Any) -> None:
+        def answered(answer: Any) -> None:
             if not future.done():
                 future.set_result(answer)
-        with self.connection._current():
-            try:
-                length, content = encoded_for(name, data)
-            except Refused:
-                raise last_error() from None
-            reply = query_notify(name, length, content, answered, None, True, type)
-        if reply is None:
-            raise last_error()
-        self._pending[future] = reply
+        question = self.connection.ask(name, data, answered, type=type, numpy=numpy)
+        self._pending.add(future)
         self._changed()
         try:
             return await asyncio.wait_for(future, timeout)
         except asyncio.TimeoutError:
             raise IPCTimeout(f"no answer to {name!r} within {timeout} seconds") from None
         finally:
-            reply.end()
-            self._pending.pop(future, None)
+            question.cancel()
+            self._pending.discard(future)
 
     # ------------------------------------------------------------ subscriptions
 
-    def subscribe(self, *names: Text, type: Optional[Type[Any]] = None,
+    def subscribe(self, *names: Text, type: Optional[Type[Any]] = None, numpy: bool = False,
                   maxsize: int = 0) -> Stream:
         """The messages of these names as they come, for async for."""
-        return Stream(self, names, type, maxsize)
+        return Stream(self, names, type, numpy, maxsize)
 
     def on(self, name: Text, handler: Optional[Handler] = None, *,
-           type: Optional[Type[Any]] = None, queries: bool = False) -> Any:
+           type: Optional[Type[Any]] = None, numpy: bool = False,
+           queries: bool = False) -> Any:
         """Has a function or coroutine function called with each message; also a decorator.
 
         With queries the messages are queries, which a coroutine may answer whenever it likes.
         """
         if handler is None:
             def decorate(function: Handler) -> Handler:
-                self.on(name, function, type=type, queries=queries)
+                self.on(name, function, type=type, numpy=numpy, queries=queries)
                 return function
             return decorate
-        subscription = self.connection.subscribe(name, self._adapted(handler, queries), type=type)
+        subscription = self.connection.subscribe(name, self._adapted(handler, queries), type=type,
+                                                 numpy=numpy)
         self._changed()
         return subscription
 
@@ -258,13 +259,14 @@ class Stream:
     """Messages as they come.  The subscriptions end with the loop, or with close()."""
 
     def __init__(self, connection: AsyncConnection, names: Tuple[Text, ...],
-                 type: Optional[Type[Any]], maxsize: int) -> None:
+                 type: Optional[Type[Any]], numpy: bool, maxsize: int) -> None:
         self._queue: asyncio.Queue[Optional[Message[Any]]] = asyncio.Queue()
         self._maxsize = maxsize
         #: How many messages were dropped because maxsize were waiting.
         self.dropped = 0
         self._subscriptions: List[Subscription] = [
-            connection.connection.subscribe(name, self._arrived, type=type) for name in names]
+            connection.connection.subscribe(name, self._arrived, type=type, numpy=numpy)
+            for name in names]
         connection._streams.add(self)
         connection._changed()
 
@@ -300,6 +302,7 @@ class Stream:
 
 
 def connect(name: Text, server: Optional[Text] = None, *,
-            on_handler_error: OnError = "raise") -> AsyncConnection:
-    """A connection to a server, for async with."""
-    return AsyncConnection(name, server, on_handler_error=on_handler_error)
+            on_handler_error: OnError = "raise",
+            reconnect: Optional[str] = None) -> AsyncConnection:
+    """A connection to a server, for async with; options as for ipc_cffi.connect()."""
+    return AsyncConnection(name, server, on_handler_error=on_handler_error, reconnect=reconnect)

@@ -5,32 +5,47 @@ A thin layer over the functions of the manual.  Errors are exceptions here whate
 from __future__ import annotations
 
 import contextlib
+import functools
+import os
+import threading
 import time
 from collections import deque
 from types import TracebackType
-from typing import (Any, Callable, Deque, Generic, Iterator, List, Optional, Tuple, Type,
-                    TypeVar, Union, overload)
+from typing import (Any, Callable, Deque, Generic, Iterable, Iterator, List, Optional, Tuple, Type,
+                    TypeVar, Union, cast, overload)
 
 from ._ffi import ffi, lib
 from .constants import (IPC_Error, IPC_OK, IPC_RETURN_TYPE, IPC_Timeout, IPC_VARIABLE_LENGTH,
                         IPC_WAIT_FOREVER, TRIGGER_FOREVER)
 from .contexts import (IPC_CONTEXT_PTR, IPC_connectModule, IPC_connectModuleNoListen,
-                       IPC_disconnect, IPC_getContext, IPC_isConnected)
-from .errors import IPCTimeout, last_error, logger
+                       IPC_disconnect, IPC_getContext, IPC_isConnected, has_ended)
+from .errors import IPCError, IPCTimeout, NotConnected, last_error, logger
+from .format import Format
 from .formatters import IPC_defineFormat
 from .handlers import MSG_INSTANCE
 from .hints import format_of
 from .library import Text, waits
-from .listening import IPC_addTimerGetRef, IPC_removeTimerByRef, TIMER_REF
-from .messages import IPC_defineMsg, IPC_msgInstanceName, IPC_publishData
-from .queries import IPC_delayResponse, IPC_respondData, query_data
+from .listening import (IPC_addTimerGetRef, IPC_removeTimerByRef, IPC_subscribeFD,
+                        IPC_unsubscribeFD, TIMER_REF)
+from .messages import (IPC_defineMsg, IPC_dataLength, IPC_msgInstanceName, Refused, encoded_for,
+                       publish_data)
+from .queries import IPC_delayResponse, IPC_respondData, Reply, query_data, query_notify
+from .reconnect import (IPCX_RECONNECT_FAIL, IPCX_RECONNECT_NEVER, IPCX_RECONNECT_WAIT,
+                        IPCx_setReconnect, IPCx_subscribeConnection)
 from .subscriptions import IPC_unsubscribe, subscribe
 
 T = TypeVar("T")
+R = TypeVar("R")
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: What a connection does about exceptions in handlers: "raise", "log", or what it calls with them.
 OnError = Union[str, Callable[[BaseException], Any]]
+
+#: The level of the module logging, which is not imported for it.
+DEBUG = 10
+
+_RECONNECT = {"never": IPCX_RECONNECT_NEVER, "fail": IPCX_RECONNECT_FAIL,
+              "wait": IPCX_RECONNECT_WAIT}
 
 
 def checked(result: IPC_RETURN_TYPE) -> IPC_RETURN_TYPE:
@@ -38,6 +53,37 @@ def checked(result: IPC_RETURN_TYPE) -> IPC_RETURN_TYPE:
     if result == IPC_Error:
         raise last_error()
     return result
+
+
+def _guarded(otherwise: Any) -> Callable[[Function], Function]:
+    """Makes a method give that instead of an exception of its own, with errors="code"."""
+    def decorate(method: Function) -> Function:
+        @functools.wraps(method)
+        def call(self: Connection, *arguments: Any, **options: Any) -> Any:
+            try:
+                return method(self, *arguments, **options)
+            except IPCError as error:
+                if self._errors == "raise" or error.in_handler:
+                    raise
+                lib.IPC_errno = error.errno
+                return otherwise
+        return cast(Function, call)
+    return decorate
+
+
+def _encoded(name: Text, data: Any) -> Tuple[int, Any]:
+    """Data in the format of a message."""
+    try:
+        return encoded_for(name, data)
+    except Refused:
+        raise last_error() from None
+
+
+def _chosen(choice: str, choices: Iterable[str], what: str) -> str:
+    """An option that has to be one of several words."""
+    if choice not in choices:
+        raise ValueError(f"{what} can be {', '.join(map(repr, choices))}, not {choice!r}")
+    return choice
 
 
 def milliseconds(seconds: Optional[float]) -> int:
@@ -87,8 +133,45 @@ class Subscription:
 
     def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
                  trace: Optional[TracebackType]) -> None:
-        if self._connection.is_connected:
-            self.cancel()
+        if not has_ended(self._connection.context):
+            with contextlib.suppress(NotConnected):
+                self.cancel()
+
+
+class Question:
+    """A query whose answer is to come, until it is there or cancelled."""
+
+    def __init__(self, reply: Reply) -> None:
+        self._reply = reply
+
+    def cancel(self) -> None:
+        """The answer will be ignored."""
+        self._reply.end()
+
+
+class _Waker:
+    """Ends the wait of listening calls, from anywhere."""
+
+    def __init__(self) -> None:
+        # A signal handler may wake while its thread closes.
+        self._lock = threading.RLock()
+        self._read, self._write = os.pipe()
+        for descriptor in (self._read, self._write):
+            os.set_blocking(descriptor, False)
+        IPC_subscribeFD(self._read, lambda fd, client_data: os.read(fd, 4096))
+
+    def wake(self) -> None:
+        with self._lock, contextlib.suppress(BlockingIOError):
+            if self._write >= 0:
+                os.write(self._write, b"!")
+
+    def close(self) -> None:
+        with self._lock:
+            write, self._write = self._write, -1
+            if write >= 0:
+                IPC_unsubscribeFD(self._read, None)
+                os.close(self._read)
+                os.close(write)
 
 
 class Timer:
@@ -120,23 +203,53 @@ class _Adapter:
 
     def __call__(self, instance: MSG_INSTANCE, data: Any, client_data: Any) -> None:
         message = Message(instance, data)
-        logger("ipc.traffic").debug("received %s", message.name)
+        traffic = logger("ipc.traffic")
+        if traffic.isEnabledFor(DEBUG):
+            traffic.debug("received %s, %d bytes", message.name, IPC_dataLength(instance))
         with self._connection._failures():
             self._handler(message)
+
+
+class _Current:
+    """A with block in which a context is the current one."""
+
+    __slots__ = ("_context", "_before")
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+
+    def __enter__(self) -> None:
+        self._before = lib.IPC_getContext()
+        if self._before != self._context:
+            lib.IPC_setContext(self._context)
+
+    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
+                 trace: Optional[TracebackType]) -> None:
+        if self._before not in (self._context, ffi.NULL):
+            lib.IPC_setContext(self._before)
 
 
 class Connection:
     """A connection to a server under the name of a module."""
 
     def __init__(self, name: Text, server: Optional[Text] = None, *, listen: bool = True,
-                 on_handler_error: OnError = "raise") -> None:
+                 errors: str = "raise", on_handler_error: OnError = "raise",
+                 reconnect: Optional[str] = None) -> None:
+        self._errors = _chosen(errors, ("raise", "code"), "errors")
+        if not callable(on_handler_error):
+            _chosen(on_handler_error, ("raise", "log"), "on_handler_error")
+        if reconnect is not None:
+            _chosen(reconnect, _RECONNECT, "reconnect")
         connect = IPC_connectModule if listen else IPC_connectModuleNoListen
         checked(connect(name, server))
         context = IPC_getContext()
         assert context is not None
         self.context: IPC_CONTEXT_PTR = context
         self._stopped = False
+        self._waker: Optional[_Waker] = None
         self._on_handler_error = on_handler_error
+        if reconnect is not None:
+            checked(IPCx_setReconnect(_RECONNECT[reconnect]))
 
     # ------------------------------------------------------------- with blocks
 
@@ -149,8 +262,21 @@ class Connection:
 
     def close(self) -> None:
         """Ends this connection; others stay."""
+        if self._waker is not None:
+            self._waker.close()
+        if not has_ended(self.context):
+            with self._current():
+                IPC_disconnect()
+
+    def on_connection(self, handler: Callable[[bool], Any]) -> Callable[[bool], Any]:
+        """Has handler called with False when the server is lost, and with True when it is back,
+        if the connection is to reconnect; can be a decorator."""
+        def changed(connected: bool, client_data: Any) -> None:
+            with self._failures():
+                handler(connected)
         with self._current():
-            IPC_disconnect()
+            checked(IPCx_subscribeConnection(changed))
+        return handler
 
     @property
     def is_connected(self) -> bool:
@@ -158,19 +284,9 @@ class Connection:
         with self._current():
             return IPC_isConnected()
 
-    @contextlib.contextmanager
-    def _current(self) -> Iterator[None]:
+    def _current(self) -> _Current:
         """Makes this connection the current one for a while."""
-        before = lib.IPC_getContext()
-        if before == self.context.pointer:
-            yield
-            return
-        lib.IPC_setContext(self.context.pointer)
-        try:
-            yield
-        finally:
-            if before != ffi.NULL:
-                lib.IPC_setContext(before)
+        return _Current(self.context.pointer)
 
     @contextlib.contextmanager
     def _failures(self) -> Iterator[None]:
@@ -188,26 +304,38 @@ class Connection:
 
     # ------------------------------------------------------------- definitions
 
-    def define(self, name: Text, format: Any = None, length: int = IPC_VARIABLE_LENGTH) -> None:
+    @_guarded(IPC_Error)
+    def define(self, name: Text, format: Any = None,
+               length: int = IPC_VARIABLE_LENGTH) -> IPC_RETURN_TYPE:
         """Defines a message by a format string, or by a type that a format follows from."""
         if format is not None and not isinstance(format, (str, bytes)):
             format = format_of(format)
         with self._current():
-            checked(IPC_defineMsg(name, length, format))
+            return checked(IPC_defineMsg(name, length, format))
 
-    def define_format(self, name: Text, format: Any) -> None:
+    @_guarded(IPC_Error)
+    def define_format(self, name: Text, format: Any) -> IPC_RETURN_TYPE:
         """Gives a format a name."""
         text = format if isinstance(format, (str, bytes)) else format_of(format)
         with self._current():
-            checked(IPC_defineFormat(name, text))
+            return checked(IPC_defineFormat(name, text))
+
+    @_guarded(None)
+    def format(self, format: Any) -> Format:
+        """A format, by its string or by a type, which may use the named formats of the server."""
+        with self._current():
+            return Format(format)
 
     # ---------------------------------------------------------------- messages
 
-    def publish(self, name: Text, data: Any = None) -> None:
+    @_guarded(IPC_Error)
+    def publish(self, name: Text, data: Any = None) -> IPC_RETURN_TYPE:
         """Sends data to all who subscribe to the message."""
+        traffic = logger("ipc.traffic")
+        tell = functools.partial(traffic.debug, "published %s, %d bytes", name) \
+            if traffic.isEnabledFor(DEBUG) else None
         with self._current():
-            checked(IPC_publishData(name, data))
-        logger("ipc.traffic").debug("published %s", name)
+            return checked(publish_data(name, data, tell))
 
     @overload
     def query(self, name: Text, data: Any = ..., timeout: Optional[float] = ..., *,
@@ -217,6 +345,7 @@ class Connection:
     def query(self, name: Text, data: Any = ..., timeout: Optional[float] = ..., *,
               type: None = ..., numpy: bool = ...) -> Any: ...
 
+    @_guarded(None)
     def query(self, name: Text, data: Any = None, timeout: Optional[float] = None, *,
               type: Optional[Type[Any]] = None, numpy: bool = False) -> Any:
         """Asks, and waits for the answer, for that many seconds; handlers run meanwhile.
@@ -229,14 +358,37 @@ class Connection:
                 raise IPCTimeout(f"no answer to {name!r} within {timeout} seconds")
             return answer
 
+    @_guarded(None)
+    def ask(self, name: Text, data: Any, handler: Callable[[Any], Any], *,
+            type: Optional[Type[Any]] = None, numpy: bool = False) -> Question:
+        """Asks, and does not wait: handler is called with the data of the answer."""
+        def answered(_instance: MSG_INSTANCE, answer: Any, _client_data: Any) -> None:
+            with self._failures():
+                handler(answer)
+        with self._current():
+            length, content = _encoded(name, data)
+            reply = query_notify(name, length, content, answered, None, True, type, numpy)
+        if reply is None:
+            raise last_error()
+        return Question(reply)
+
+    @overload
+    def subscribe(self, name: Text, handler: Callable[[Message[T]], Any], *,
+                  type: Type[T], numpy: bool = ...) -> Subscription: ...
+
     @overload
     def subscribe(self, name: Text, handler: Callable[[Message[Any]], Any], *,
-                  type: Optional[Type[Any]] = ..., numpy: bool = ...) -> Subscription: ...
+                  type: None = ..., numpy: bool = ...) -> Subscription: ...
 
     @overload
-    def subscribe(self, name: Text, handler: None = ..., *, type: Optional[Type[Any]] = ...,
-                  numpy: bool = ...) -> Callable[[Function], Function]: ...
+    def subscribe(self, name: Text, handler: None = ..., *, type: Type[T], numpy: bool = ...
+                  ) -> Callable[[Callable[[Message[T]], R]], Callable[[Message[T]], R]]: ...
 
+    @overload
+    def subscribe(self, name: Text, handler: None = ..., *, type: None = ..., numpy: bool = ...
+                  ) -> Callable[[Function], Function]: ...
+
+    @_guarded(None)
     def subscribe(self, name: Text, handler: Optional[Callable[[Message[Any]], Any]] = None, *,
                   type: Optional[Type[Any]] = None, numpy: bool = False) -> Any:
         """Has handler called with each message of that name; without handler a decorator."""
@@ -249,13 +401,17 @@ class Connection:
             checked(subscribe(name, _Adapter(self, handler), None, True, type, numpy))
         return Subscription(self, name, handler)
 
-    def unsubscribe(self, name: Text, handler: Optional[Callable[..., Any]] = None) -> None:
+    @_guarded(IPC_Error)
+    def unsubscribe(self, name: Text,
+                    handler: Optional[Callable[..., Any]] = None) -> IPC_RETURN_TYPE:
         """Ends the subscription of a handler, or of all."""
         with self._current():
-            checked(IPC_unsubscribe(name, None if handler is None else _Adapter(self, handler)))
+            return checked(IPC_unsubscribe(
+                name, None if handler is None else _Adapter(self, handler)))
 
     # --------------------------------------------------------------- listening
 
+    @_guarded(False)
     def listen(self, timeout: Optional[float] = None) -> bool:
         """Waits for so many seconds and handles what comes first: whether anything came."""
         return self._listen(milliseconds(timeout)) == IPC_OK
@@ -265,20 +421,31 @@ class Connection:
         with self._current():
             return checked(IPC_RETURN_TYPE(waits(lib.IPC_listen, timeout, enough=enough)))
 
-    def dispatch(self) -> None:
+    @_guarded(IPC_Error)
+    def dispatch(self) -> IPC_RETURN_TYPE:
         """Listens until stop() is called, or the connection has been closed."""
-        self._stopped = False
-        while not self._stopped and self.is_connected:
-            self._listen(IPC_WAIT_FOREVER, lambda: self._stopped)
+        if self._waker is None:
+            self._waker = _Waker()
+        try:
+            while not self._stopped and not has_ended(self.context):
+                self._listen(IPC_WAIT_FOREVER, lambda: self._stopped)
+        finally:
+            self._stopped = False
+        return IPC_OK
 
     def stop(self) -> None:
-        """Ends dispatch(); may be called by handlers, other threads and signal handlers."""
+        """Ends dispatch(), or lets the next one end at once; may be called by handlers, other
+        threads and signal handlers."""
         self._stopped = True
+        if self._waker is not None:
+            self._waker.wake()
 
+    @_guarded(None)
     def every(self, seconds: float, handler: Callable[[], Any]) -> Timer:
         """Has a handler called again and again by listening calls."""
         return self._timer(seconds, TRIGGER_FOREVER, handler)
 
+    @_guarded(None)
     def after(self, seconds: float, handler: Callable[[], Any]) -> Timer:
         """Has a handler called once."""
         return self._timer(seconds, 1, handler)
@@ -292,9 +459,17 @@ class Connection:
         assert reference is not None
         return Timer(reference)
 
+    @overload
+    def messages(self, *names: Text, type: Type[T], timeout: Optional[float] = ...,
+                 numpy: bool = ..., queries: bool = ..., maxsize: int = ...) -> Messages[T]: ...
+
+    @overload
+    def messages(self, *names: Text, type: None = ..., timeout: Optional[float] = ...,
+                 numpy: bool = ..., queries: bool = ..., maxsize: int = ...) -> Messages[Any]: ...
+
     def messages(self, *names: Text, type: Optional[Type[Any]] = None,
                  timeout: Optional[float] = None, numpy: bool = False, queries: bool = False,
-                 maxsize: int = 0) -> Messages:
+                 maxsize: int = 0) -> Messages[Any]:
         """The messages of these names as they come, until none has come for timeout seconds.
 
         maxsize limits how many wait here; then the oldest are dropped.  With queries the messages
@@ -303,7 +478,7 @@ class Connection:
         return Messages(self, names, type, timeout, numpy, queries, maxsize)
 
 
-class Messages:
+class Messages(Generic[T]):
     """An iterator over messages.  Its subscriptions end with the loop, or with close()."""
 
     def __init__(self, connection: Connection, names: Tuple[Text, ...],
@@ -312,7 +487,7 @@ class Messages:
         self._connection = connection
         self._timeout = timeout
         self._queries = queries
-        self._waiting: Deque[Message[Any]] = deque(maxlen=maxsize or None)
+        self._waiting: Deque[Message[T]] = deque(maxlen=maxsize or None)
         #: How many messages were dropped because maxsize were waiting.
         self.dropped = 0
         self._subscriptions: List[Subscription] = []
@@ -320,14 +495,14 @@ class Messages:
             self._subscriptions.append(
                 connection.subscribe(name, self._arrived, type=type, numpy=numpy))
 
-    def _arrived(self, message: Message[Any]) -> None:
+    def _arrived(self, message: Message[T]) -> None:
         if self._queries:
             message.delay()
         if len(self._waiting) == self._waiting.maxlen:
             self.dropped += 1
         self._waiting.append(message)
 
-    def __iter__(self) -> Iterator[Message[Any]]:
+    def __iter__(self) -> Iterator[Message[T]]:
         """What is used in a for loop: leaving the loop ends the subscriptions."""
         try:
             while True:
@@ -338,12 +513,12 @@ class Messages:
         finally:
             self.close()
 
-    def get(self) -> Optional[Message[Any]]:
+    def get(self) -> Optional[Message[T]]:
         """The next message, None if none has come in time, or the connection was closed."""
         end = None if self._timeout is None else time.monotonic() + self._timeout
         while not self._waiting:
             left = None if end is None else end - time.monotonic()
-            if left is not None and left < 0 or not self._connection.is_connected:
+            if left is not None and left < 0 or has_ended(self._connection.context):
                 return None
             self._connection.listen(left)
         return self._waiting.popleft()
@@ -355,7 +530,7 @@ class Messages:
             with subscription:
                 pass
 
-    def __enter__(self) -> Messages:
+    def __enter__(self) -> Messages[T]:
         return self
 
     def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
@@ -364,7 +539,15 @@ class Messages:
 
 
 def connect(name: Text, server: Optional[Text] = None, *, listen: bool = True,
-            on_handler_error: OnError = "raise") -> Connection:
-    """Connects to a server, by default the one of CENTRALHOST; to be used in a with statement."""
-    return Connection(name, server, listen=listen, on_handler_error=on_handler_error)
+            errors: str = "raise", on_handler_error: OnError = "raise",
+            reconnect: Optional[str] = None) -> Connection:
+    """Connects to a server, by default the one of CENTRALHOST; to be used in a with statement.
+
+    errors            "raise", or "code": failures other than of connect() give codes or None
+    on_handler_error  "raise", "log", or what is called with the exceptions of handlers
+    reconnect         after the loss of the server: "never"; "fail": calls fail until it is back;
+                      "wait": they wait; by default what the variable IPC_RECONNECT says
+    """
+    return Connection(name, server, listen=listen, errors=errors,
+                      on_handler_error=on_handler_error, reconnect=reconnect)
 

@@ -34,6 +34,17 @@ class IPC_CONTEXT_PTR:
 _connected: Dict[int, Any] = {}
 
 
+def forget(context: Any) -> None:
+    """A connection has ended, and will not come back."""
+    _connected.pop(address(context), None)
+    forget_context(context)
+
+
+def has_ended(context: IPC_CONTEXT_PTR) -> bool:
+    """Whether the connection has ended; one that is to come back has not."""
+    return address(context.pointer) not in _connected
+
+
 # ------------------------------------------------------------------ connecting
 
 #: As the name of a server: one that this process starts, and that ends with it.
@@ -83,10 +94,10 @@ def IPC_initialize() -> IPC_RETURN_TYPE:
 def IPC_disconnect() -> IPC_RETURN_TYPE:
     """Ends the connection of the current context."""
     context = lib.IPC_getContext()
-    _connected.pop(address(context), None)
-    result = listen(lib.IPC_disconnect)
-    forget_context(context)
-    return result
+    try:
+        return listen(lib.IPC_disconnect)
+    finally:
+        forget(context)
 
 
 def IPC_isConnected() -> bool:

@@ -17,6 +17,9 @@ from .constants import (IPC_ERROR_TYPE, IPC_Argument_Out_Of_Range, IPC_Error, IP
 class IPCError(Exception):
     """An error of the library: its text, and its number as errno."""
 
+    #: Whether it has left a handler, and so is none of the call that it comes out of.
+    in_handler = False
+
     def __init__(self, text: str = "", errno: Optional[int] = None) -> None:
         super().__init__(text)
         self.errno = IPC_ERROR_TYPE(lib.IPC_errno if errno is None else errno)

@@ -1,8 +1,9 @@
 """Formats and marshalling [manual 6]."""
 from __future__ import annotations
 
+import functools
 import sys
-from typing import Any, Dict, NoReturn, Optional, Tuple
+from typing import Any, Dict, NoReturn, Optional, Tuple, Union
 
 from . import tree
 from ._ffi import ffi, lib
@@ -11,7 +12,7 @@ from .constants import (IPC_No_Error, IPC_Null_Argument, IPC_OK,
                         IPC_RETURN_TYPE, IPC_Wrong_Buffer_Length)
 from .errors import fail, raise_error
 from .library import Text, begin, listen, text_argument, to_text, waits
-from .values import BadBytes, Converter, Style
+from .values import BadBytes, Content, Converter, Style
 
 
 class FORMATTER_PTR:
@@ -38,17 +39,14 @@ def _image(pointer: Any) -> bytes:
 
 
 # The library keeps a format as long as the process lives, so its address stands for it.
-_known: Dict[int, FORMATTER_PTR] = {}
+_known: Dict[Any, FORMATTER_PTR] = {}
 
 
 def formatter_at(pointer: Any) -> Optional[FORMATTER_PTR]:
     """The formatter of a pointer of the library."""
-    if pointer == ffi.NULL:
-        return None
-    address = int(ffi.cast("uintptr_t", pointer))
-    found = _known.get(address)
-    if found is None:
-        found = _known[address] = FORMATTER_PTR(pointer)
+    found = _known.get(pointer)
+    if found is None and pointer != ffi.NULL:
+        found = _known[pointer] = FORMATTER_PTR(pointer)
     return found
 
 
@@ -95,7 +93,7 @@ def IPC_msgFormatter(msgName: Optional[Text]) -> Optional[FORMATTER_PTR]:
 
 # ----------------------------------------------------------------- marshalling
 
-def encode(formatter: Optional[FORMATTER_PTR], data: Any) -> bytearray:
+def encode(formatter: Optional[FORMATTER_PTR], data: Any) -> Union[bytearray, memoryview]:
     """The bytes of data; raises what says why they do not fit."""
     if formatter is not None:
         return formatter.converter.encode(data)
@@ -103,6 +101,9 @@ def encode(formatter: Optional[FORMATTER_PTR], data: Any) -> bytearray:
         raise TypeError("the message has no format: only None can be sent as its data, "
                         f"not {type(data).__name__}")
     return bytearray()
+
+
+_style = functools.lru_cache(maxsize=None)(Style)
 
 
 class _Arrays:
@@ -120,12 +121,12 @@ def IPC_setArrayType(name: str) -> None:
     _Arrays.numpy = name == "numpy"
 
 
-def decode(formatter: FORMATTER_PTR, content: bytes, order: str, cls: Optional[type],
+def decode(formatter: FORMATTER_PTR, content: Content, order: str, cls: Optional[type],
            numpy: bool = False) -> Any:
     """The data of the bytes of a message.  No bytes are no data, if the format needs any."""
     if not content and formatter.converter.codec.least > 0:
         return None
-    return formatter.converter.decode(content, Style(order, numpy or _Arrays.numpy), cls)
+    return formatter.converter.decode(content, _style(order, numpy or _Arrays.numpy), cls)
 
 
 def IPC_marshall(formatter: Optional[FORMATTER_PTR], data: Any,

@@ -10,7 +10,8 @@ import threading
 from typing import Any, Callable, Dict, Generic, Iterator, List, Optional, TypeVar
 
 from ._ffi import ffi, lib
-from .library import handler_failed, to_text
+from .library import LARGE, handler_failed, to_text
+from .values import Content
 
 Handler = Callable[..., Any]
 
@@ -66,7 +67,7 @@ class Registration:
         """The library's calls mean nothing from now on."""
         _registrations.pop(self.number, None)
 
-    def arrived(self, instance: MSG_INSTANCE, content: bytes, order: str) -> None:
+    def arrived(self, instance: MSG_INSTANCE, content: Content, order: str) -> None:
         """A message or a reply."""
 
     def happened(self, *arguments: Any) -> None:
@@ -138,6 +139,18 @@ def forget_context(context: Any) -> None:
 
 # ------------------------------------------------------------------ the calls
 
+def taken(content: Any, length: int) -> Content:
+    """The bytes of a byte array of the library, which are freed with what is returned."""
+    if content == ffi.NULL:
+        return b""
+    if length >= LARGE:
+        owned = ffi.gc(content, lib.IPC_freeByteArray)
+        return memoryview(ffi.buffer(owned, length)).toreadonly()
+    data = ffi.buffer(content, length)[:]
+    lib.IPC_freeByteArray(content)
+    return bytes(data)
+
+
 def run(handler: Handler, *arguments: Any) -> None:
     """Calls one of several handlers, so that the others are called even if it fails."""
     try:
@@ -149,10 +162,7 @@ def run(handler: Handler, *arguments: Any) -> None:
 @ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]
 def py_message(instance: Any, content: Any, length: int, is_big_endian: int,
                number: int) -> None:
-    data = b""
-    if content != ffi.NULL:
-        data = ffi.buffer(content, length)[:]
-        lib.IPC_freeByteArray(content)
+    data = taken(content, length)
     registration = _registrations.get(number)
     if registration is not None:
         registration.arrived(MSG_INSTANCE(instance), data, "big" if is_big_endian else "little")
@@ -177,6 +187,11 @@ def py_connect(module: Any, number: int) -> None:
 @ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]
 def py_disconnect(module: Any, number: int) -> None:
     _happened(number, to_text(module))
+
+
+@ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]
+def py_connection(connected: int, number: int) -> None:
+    _happened(number, bool(connected))
 
 
 @ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]

@@ -145,7 +145,10 @@ def is_list(hint: Any) -> bool:
 
 
 def format_of_class(cls: type) -> str:
-    """The format of a class with hints."""
+    """The format of a class with hints, or the one that it says it has, as those of xdrgen do."""
+    declared = getattr(cls, "IPC_FORMAT", None)
+    if isinstance(declared, str):
+        return declared
     hints = type_hints(cls)
     parts: List[str] = []
     places: Dict[str, int] = {}

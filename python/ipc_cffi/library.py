@@ -12,7 +12,7 @@ from typing import Any, Callable, Optional, Tuple, Type, Union
 
 from ._ffi import ffi, lib
 from .constants import IPC_Not_Connected, IPC_RETURN_TYPE
-from .errors import raise_error, result
+from .errors import IPCError, raise_error, result
 
 Text = Union[str, bytes]
 
@@ -93,7 +93,8 @@ def waits(function: Callable[..., int], *arguments: Any,
         failure, call.failure = call.failure, None
         raise failure
     if call.lost:
-        return int(raise_error(IPC_Not_Connected))
+        lib.IPC_errno = IPC_Not_Connected
+        return int(raise_error())
     return number
 
 
@@ -102,11 +103,17 @@ def listen(function: Callable[..., int], *arguments: Any) -> IPC_RETURN_TYPE:
     return result(waits(function, *arguments))
 
 
+#: Bytes of this number and more are not copied; a copy of fewer is quicker than a view of them.
+LARGE = 1 << 14
+
+
 def send(function: Callable[..., int], before: Tuple[Any, ...], length: int, content: Any,
          *after: Any) -> IPC_RETURN_TYPE:
     """Calls a function of the library that takes bytes behind other arguments."""
     if content is None:
         return listen(function, *before, length, ffi.NULL, *after)
+    if length < LARGE:
+        return listen(function, *before, length, bytes(content), *after)
     # Given back at once: what an exception keeps alive would not be otherwise.
     with ffi.from_buffer(content) as view:
         return listen(function, *before, length, view, *after)
@@ -116,6 +123,8 @@ def handler_failed(kind: Type[BaseException], failure: BaseException,
                    trace: Optional[TracebackType]) -> None:
     """Keeps an exception that left a handler for the call that the handler runs in."""
     call = _thread.call
+    if isinstance(failure, IPCError):
+        failure.in_handler = True
     if call is not None and call.failure is None:
         call.failure = failure.with_traceback(trace)
     else:
@@ -147,8 +156,8 @@ def py_give_up() -> int:
 @ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]
 def py_loss() -> None:
     # The library has lost the connection of its current context.
-    from .handlers import forget_context
-    forget_context(lib.IPC_getContext())
+    from .contexts import forget
+    forget(lib.IPC_getContext())
     if _thread.call is not None:
         _thread.call.lost = True
 

@@ -74,7 +74,7 @@ def IPC_subscribeFD(fd: Any, fdHandler: Callable[[int, Any], Any],
     check_handler(fdHandler)
     begin()
     descriptor = Descriptor(fd, fdHandler, clientData)
-    outcome = None
+    outcome = IPC_Error
     try:
         outcome = listen(lib.glue_subscribe_fd, number, descriptor.number)
     finally:

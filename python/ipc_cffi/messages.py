@@ -2,16 +2,17 @@
 [manual 4.20 to 4.25, 4.37 to 4.41, 6.12]."""
 from __future__ import annotations
 
-from typing import Any, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple
 
 from ._ffi import ffi, lib
 from .bytearrays import IPC_VARCONTENT_TYPE, bytes_argument
-from .constants import (IPC_Error, IPC_FIXED_LENGTH, IPC_Null_Argument, IPC_RETURN_TYPE,
-                        IPC_VARIABLE_LENGTH)
+from .constants import (IPC_Error, IPC_FIXED_LENGTH, IPC_Null_Argument, IPC_OK,
+                        IPC_RETURN_TYPE, IPC_VARIABLE_LENGTH)
 from .errors import fail, raise_error
-from .formatters import FORMATTER_PTR, IPC_msgFormatter, ask_for_formatter, encode
+from .formatters import (FORMATTER_PTR, IPC_msgFormatter, ask_for_formatter, encode,
+                         formatter_at)
 from .handlers import MSG_INSTANCE
-from .library import Text, listen, number_argument, send, text_argument, to_text, waits
+from .library import LARGE, Text, listen, number_argument, send, text_argument, to_text, waits
 
 
 def instance_argument(msgInstance: Any) -> Any:
@@ -86,7 +87,7 @@ def IPC_publishFixed(msgName: Text, content: Any) -> IPC_RETURN_TYPE:
                 *content_arguments(IPC_FIXED_LENGTH, content))
 
 
-def encoded_for(msgName: Text, data: Any) -> Tuple[int, Optional[bytearray]]:
+def encoded_for(msgName: Text, data: Any) -> Tuple[int, Any]:
     """Data in the format of a message: their length and bytes.  Raises IPCError or Refused."""
     lib.IPC_errno = 0
     formatter = IPC_msgFormatter(msgName)
@@ -102,11 +103,30 @@ class Refused(Exception):
 
 def IPC_publishData(msgName: Text, data: Any) -> IPC_RETURN_TYPE:
     """Encodes data by the format of the message, and publishes it."""
-    try:
-        length, content = encoded_for(msgName, data)
-    except Refused:
+    return publish_data(msgName, data)
+
+
+def publish_data(msgName: Text, data: Any,
+                 tell: Optional[Callable[[int], Any]] = None) -> IPC_RETURN_TYPE:
+    """The same; tells how many bytes are sent."""
+    return listen(_publish, text_argument(msgName), data, tell)
+
+
+def _publish(name: Any, data: Any, tell: Optional[Callable[[int], Any]]) -> int:
+    """One call of the library for what waits, as this is what programs do most."""
+    lib.IPC_errno = 0
+    pointer = lib.IPC_msgFormatter(name)
+    if pointer == ffi.NULL and lib.IPC_errno:
         return IPC_Error
-    return send(lib.IPC_publish, (text_argument(msgName),), length, content)
+    content = encode(formatter_at(pointer), data)
+    if len(content) >= LARGE:
+        with ffi.from_buffer(content) as view:
+            result = int(lib.IPC_publish(name, len(content), view))
+    else:
+        result = int(lib.IPC_publish(name, len(content), bytes(content) if content else ffi.NULL))
+    if tell is not None and result == IPC_OK:
+        tell(len(content))
+    return result
 
 
 # ------------------------------------------------------------------- instances

@@ -1,18 +1,21 @@
 """Queries and responses [manual 5, 6.13 to 6.15]."""
 from __future__ import annotations
 
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple, Type, TypeVar, overload
 
 from ._ffi import ffi, lib
 from .bytearrays import BYTE_ARRAY, IPC_VARCONTENT_TYPE
 from .constants import (IPC_Error, IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE,
                         IPC_Wrong_Buffer_Length)
 from .errors import fail
-from .handlers import MSG_INSTANCE, Handler, check_handler, current_context
+from .handlers import MSG_INSTANCE, Handler, check_handler, current_context, taken
 from .library import Text, listen, number_argument, send, text_argument
 from .messages import Refused, content_arguments, encoded_for, instance_argument
 from .subscriptions import Arrival, byte_array, received
-from .values import BadBytes
+from .values import BadBytes, Content
+
+T = TypeVar("T")
+
 
 # ------------------------------------------------------------------- answering
 
@@ -54,17 +57,19 @@ def IPC_delayResponse(msgInstance: Optional[MSG_INSTANCE]) -> IPC_RETURN_TYPE:
 class Reply(Arrival):
     """The handler of the first reply to one query."""
 
-    def arrived(self, instance: MSG_INSTANCE, content: bytes, order: str) -> None:
+    def arrived(self, instance: MSG_INSTANCE, content: Content, order: str) -> None:
         self.end()
         super().arrived(instance, content, order)
 
 
 def query_notify(msgName: Text, length: int, content: Any, handler: Optional[Handler],
-                 clientData: Any, decoded: bool, cls: Optional[type]) -> Optional[Reply]:
+                 clientData: Any, decoded: bool, cls: Optional[type],
+                 numpy: bool = False) -> Optional[Reply]:
     """Sends a query; the reply that is to come, None if sending has failed."""
     if handler is not None:
         check_handler(handler)
-    reply = Reply(current_context(), handler or (lambda *ignored: None), clientData, decoded, cls)
+    reply = Reply(current_context(), handler or (lambda *ignored: None), clientData, decoded, cls,
+                  numpy)
     result = None
     try:
         result = send(lib.glue_query_notify, (text_argument(msgName),), length, content,
@@ -107,7 +112,7 @@ def IPC_queryNotifyData(msgName: Text, data: Any,
 
 # ---------------------------------------------------------- asking and waiting
 
-Taken = Callable[[Any, bytes, str], Any]
+Taken = Callable[[Any, Content, str], Any]
 
 
 def _query(take: Taken, msgName: Text, length: int, content: Any,
@@ -117,14 +122,10 @@ def _query(take: Taken, msgName: Text, length: int, content: Any,
     reply = ffi.new("struct reply *")
     try:
         result = send(lib.glue_query, (text_argument(msgName),), length, content, limit, reply)
-        if result != IPC_OK:
-            return None, result
-        data = b""
-        if reply.content != ffi.NULL:
-            data = ffi.buffer(reply.content, reply.length)[:]
     finally:
-        if reply.content != ffi.NULL:
-            lib.IPC_freeByteArray(reply.content)
+        data = taken(reply.content, reply.length)
+    if result != IPC_OK:
+        return None, result
     try:
         return take(reply.formatter, data, "big" if reply.is_big_endian else "little"), IPC_OK
     except BadBytes:
@@ -144,6 +145,16 @@ def IPC_queryResponseVC(msgName: Text, varcontent: Optional[IPC_VARCONTENT_TYPE]
     if varcontent is None:
         return None, fail(IPC_Null_Argument)
     return IPC_queryResponse(msgName, varcontent.length, varcontent.content, timeout)
+
+
+@overload
+def IPC_queryResponseData(msgName: Text, data: Any, timeoutMSecs: Any,
+                          responseClass: Type[T]) -> Tuple[Optional[T], IPC_RETURN_TYPE]: ...
+
+
+@overload
+def IPC_queryResponseData(msgName: Text, data: Any, timeoutMSecs: Any,
+                          responseClass: None = ...) -> Tuple[Any, IPC_RETURN_TYPE]: ...
 
 
 def IPC_queryResponseData(msgName: Text, data: Any, timeoutMSecs: Any,

@@ -49,14 +49,30 @@ class IPCdata:
         """The members by name, nested structures too."""
         return {name: _as_plain(getattr(self, name)) for name in _names_set(self)}
 
-    @reprlib.recursive_repr()
     def __repr__(self) -> str:
-        named = hasattr(type(self), "_fields")
-        parts = [f"{name}: {getattr(self, name)!r}" if named else repr(getattr(self, name))
-                 for name in _names_set(self)]
-        return f"<{type(self).__name__}{': ' if parts else ''}{'; '.join(parts)}>"
+        return _shown(self)
 
     __str__ = __repr__
+
+
+@reprlib.recursive_repr()
+def _shown(record: IPCdata) -> str:
+    named = hasattr(type(record), "_fields")
+    parts = [f"{name}: {getattr(record, name)!r}" if named else repr(getattr(record, name))
+             for name in _names_set(record)]
+    return f"<{type(record).__name__}{': ' if parts else ''}{'; '.join(parts)}>"
+
+
+def eq(a: Any, b: Any) -> bool:
+    """Whether two values have equal members; == of IPCdata asks whether they are the same."""
+    if isinstance(a, IPCdata) and isinstance(b, IPCdata):
+        a, b = vars(a), vars(b)
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(eq(a[name], b[name]) for name in a)
+    if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)):
+        return len(a) == len(b) and all(map(eq, a, b))
+    equal = a == b
+    return bool(equal.all() if hasattr(equal, "all") else equal)
 
 
 def _stored_name(record: IPCdata, name: str) -> str:
@@ -120,11 +136,7 @@ class Fields:
             if with_lengths and hints.is_list(hint):
                 names.append(None)
                 classes.append(None)
-            convert = hints.conversion(hint)
-            if convert is not None:
-                self.conversions[len(names)] = convert
-            if hints.wants_numpy(hint):
-                self.numpy.add(len(names))
+            self._convert(len(names), hint)
             names.append(name)
             classes.append(hints.class_in(hint))
         self.names, self._classes = tuple(names), tuple(classes)
@@ -140,6 +152,17 @@ class Fields:
             names.append(name)
             classes.append(cls)
         self.names, self._classes = tuple(names), tuple(classes)
+        if dataclasses.is_dataclass(self.cls):
+            for index, hint in enumerate(hints.member_hints(self.cls, names)):
+                self._convert(index, hint)
+
+    def _convert(self, index: int, hint: Any) -> None:
+        """Heeds the type of a member, beyond what class its structures have."""
+        convert = hints.conversion(hint)
+        if convert is not None:
+            self.conversions[index] = convert
+        if hints.wants_numpy(hint):
+            self.numpy.add(index)
 
     def class_of(self, index: int) -> Optional[type]:
         """The class of the structures in a member, None if nothing is said about them."""

@@ -1,20 +1,24 @@
 """Subscriptions [manual 4.26 to 4.28, 4.42 to 4.48]."""
 from __future__ import annotations
 
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple, Type, TypeVar, overload
 
 from ._ffi import ffi, lib
 from .bytearrays import BYTE_ARRAY
-from .constants import IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE
+from .constants import IPC_Error, IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE
 from .errors import fail, raise_error, warn
 from .formatters import decode, formatter_at
 from .handlers import (MSG_INSTANCE, Handler, Registration, Table, check_handler, current_context,
                        handler_name, run)
 from .library import Text, listen, text_argument, to_bytes, to_text, waits
-from .values import BadBytes
+from .values import BadBytes, Content
 
 
-def byte_array(content: bytes, order: str) -> Optional[BYTE_ARRAY]:
+T = TypeVar("T")
+C = TypeVar("C")
+
+
+def byte_array(content: Content, order: str) -> Optional[BYTE_ARRAY]:
     """Received bytes as handlers get them, None for none."""
     if not content:
         return None
@@ -23,7 +27,7 @@ def byte_array(content: bytes, order: str) -> Optional[BYTE_ARRAY]:
     return array
 
 
-def received(formatter: Any, content: bytes, order: str, cls: Optional[type],
+def received(formatter: Any, content: Content, order: str, cls: Optional[type],
              numpy: bool = False) -> Any:
     """Received bytes as data; without a format they stay bytes.  Raises BadBytes."""
     known = formatter_at(formatter)
@@ -45,7 +49,7 @@ class Arrival(Registration):
     def use(self, clientData: Any, decoded: bool, cls: Optional[type], numpy: bool) -> None:
         self.client_data, self.decoded, self.cls, self.numpy = clientData, decoded, cls, numpy
 
-    def arrived(self, instance: MSG_INSTANCE, content: bytes, order: str) -> None:
+    def arrived(self, instance: MSG_INSTANCE, content: Content, order: str) -> None:
         if not self.decoded:
             self.handler(instance, byte_array(content, order), self.client_data)
             return
@@ -92,7 +96,7 @@ def subscribe(msgName: Text, handler: Any, clientData: Any, decoded: bool,
     arrival = Arrival(key[0], handler, clientData, decoded, cls, numpy)
     arrival.wire_name = _wire_name(msgName, handler, arrival.number)
     _subscriptions.add(key, arrival)
-    result = None
+    result = IPC_Error
     try:
         result = listen(lib.glue_subscribe, text_argument(msgName), arrival.wire_name,
                         arrival.number)
@@ -106,6 +110,21 @@ def IPC_subscribe(msgName: Text, handler: Callable[[MSG_INSTANCE, Optional[BYTE_
                   clientData: Any = None) -> IPC_RETURN_TYPE:
     """Has handler called with the bytes of each instance of the message."""
     return subscribe(msgName, handler, clientData, False, None)
+
+
+@overload
+def IPC_subscribeData(msgName: Text, handler: Callable[[MSG_INSTANCE, T, C], Any],
+                      clientData: C, dataClass: Type[T]) -> IPC_RETURN_TYPE: ...
+
+
+@overload
+def IPC_subscribeData(msgName: Text, handler: Callable[[MSG_INSTANCE, T, Any], Any],
+                      *, dataClass: Type[T]) -> IPC_RETURN_TYPE: ...
+
+
+@overload
+def IPC_subscribeData(msgName: Text, handler: Callable[[MSG_INSTANCE, Any, C], Any],
+                      clientData: C = ..., dataClass: None = ...) -> IPC_RETURN_TYPE: ...
 
 
 def IPC_subscribeData(msgName: Text, handler: Callable[[MSG_INSTANCE, Any, Any], Any],
@@ -175,7 +194,7 @@ class Watching:
         watch = self._watches.of(key)
         if not watch:
             watch = [Watch(key[0], key, self._watchers)]
-            result = None
+            result = IPC_Error
             try:
                 result = listen(self._switch, *arguments, 1, watch[0].number)
             finally:

@@ -1,6 +1,8 @@
 """Fixtures of the tests of the Python package."""
 import pytest
 
+from support.processes import Central
+
 
 @pytest.fixture
 def ipc():
@@ -12,6 +14,29 @@ def ipc():
     package.IPC_setVerbosity(package.IPC_Silent)
     package.contexts.disconnect_all()
     package.IPC_setVerbosity(package.IPC_Exit_On_Errors)
+
+
+#: Tests that hold with an original central too, and are made with one if it is given.
+WITH_ORIGINAL = {"python.test_single_process", "python.test_messages", "python.test_queries",
+                 "python.test_c_peers"}
+
+
+def pytest_generate_tests(metafunc):
+    """Has tests that need a central run with an original one as well."""
+    config = metafunc.config
+    if (metafunc.module.__name__ in WITH_ORIGINAL and "central" in metafunc.fixturenames
+            and config.getoption("--original-central") and not config.ipc_central_is_original
+            and not metafunc.definition.get_closest_marker("new_central")):
+        metafunc.parametrize("central", ["ours", "CMU"], indirect=True)
+
+
+@pytest.fixture
+def central(request, start_central, stack):
+    """A running central of its own for each test."""
+    if getattr(request, "param", "ours") == "ours":
+        return start_central()
+    program = request.getfixturevalue("original_central_program")
+    return stack.enter_context(Central(program, original=True))
 
 
 @pytest.fixture

@@ -315,7 +315,8 @@ def test_traffic_is_logged_if_wished(connection, caplog):
     with caplog.at_level(logging.DEBUG, "ipc.traffic"):
         connection.publish("m", 1)
         connection.listen(PATIENCE)
-    assert [record.getMessage() for record in caplog.records] == ["published m", "received m"]
+    assert [record.getMessage() for record in caplog.records] == [
+        "published m, 4 bytes", "received m, 4 bytes"]
 
 
 def test_two_connections_leave_each_other_alone(ipc, start_central):
@@ -390,3 +391,103 @@ def test_nothing_big_is_imported():
         print({"asyncio", "numpy", "logging", "subprocess"} & set(sys.modules))
         """).wait_for_line(r"set\(\)")
     assert sys.version_info >= (3, 9)
+
+
+# ------------------------------------------------------------------ small things
+
+
+def test_errors_as_codes(ipc, central):
+    with ipc.connect("test", central.address, errors="code") as connection:
+        assert connection.define("m", int) == ipc.IPC_OK
+        assert connection.define("n", "{") == ipc.IPC_Error
+        assert ipc.IPC_errno == ipc.IPC_Illegal_Formatter
+        assert connection.publish("unknown", 1) == ipc.IPC_Error
+        assert ipc.IPC_errno == ipc.IPC_Message_Not_Defined
+        assert connection.query("m", 1, timeout=0.01) is None
+        assert ipc.IPC_errno == ipc.IPC_No_Error
+        assert connection.every(0, print) is None and connection.format("{") is None
+        assert connection.subscribe("", print) is None
+        assert connection.publish("m", 1) == ipc.IPC_OK
+        with pytest.raises(TypeError):
+            connection.publish("m", "x")  # what is wrong in the program itself is not hidden
+
+        def fail(message):
+            raise ipc.MessageNotDefined("of the handler", 3)
+        connection.subscribe("m", fail)
+        connection.publish("m", 1)
+        with pytest.raises(ipc.MessageNotDefined, match="of the handler"):
+            connection.listen(PATIENCE)
+
+
+def test_formats_are_objects(ipc, connection):
+    connection.define_format("point", Point)
+    named = connection.format("{int, point}")
+    content = named.encode((1, Point(2.0, 3.0)))
+    assert content == bytes.fromhex("01000000" "0000000000000040" "0000000000000840")
+    assert connection.format(Pair).decode(content) == Pair(1, Point(2.0, 3.0))
+    assert named.decode(content, type=Pair) == Pair(1, Point(2.0, 3.0))
+    assert ipc.Format("int").decode(b"\0\0\0\1", order="big") == 1
+    assert named.print((1, Point(2.0, 3.0))) == "{1, {2.00, 3.00}}"
+    assert repr(ipc.Format("{ int,double }")) == "Format('{int, double}')"
+    for text in ("", "{int", None):
+        with pytest.raises((ipc.IllegalFormat, TypeError)):
+            ipc.Format(text)
+    with pytest.raises(ipc.BadData):
+        named.decode(content[:-1])
+    with pytest.raises(TypeError, match="expected int"):
+        named.encode(("x", Point(2.0)))
+
+
+def test_stopping_needs_no_waiting(connection):
+    """The wait is ended, and not only asked for every 200 milliseconds."""
+    quickest = PATIENCE
+    for _ in range(10):
+        stopped = []
+
+        def stop(stopped=stopped):
+            time.sleep(0.01)
+            stopped.append(time.monotonic())
+            connection.stop()
+        thread = threading.Thread(target=stop)
+        thread.start()
+        connection.dispatch()
+        quickest = min(quickest, time.monotonic() - stopped[0])
+        thread.join()
+    assert quickest < 0.1
+    connection.stop()
+    connection.dispatch()  # told before it began
+
+
+def test_stop_after_close_does_nothing(ipc, central):
+    descriptors = len(os.listdir("/proc/self/fd"))
+    with ipc.connect("test", central.address) as connection:
+        connection.after(0.001, connection.stop)
+        connection.dispatch()
+    connection.stop()
+    connection.close()
+    assert len(os.listdir("/proc/self/fd")) <= descriptors
+
+
+def test_asking_without_waiting(connection):
+    connection.define("q", int)
+    connection.subscribe("q", lambda message: message.respond("q", message.data + 1))
+    got = []
+    connection.ask("q", 1, got.append)
+    listen_until(connection, lambda: got)
+    assert got == [2]
+    connection.ask("q", 5, got.append).cancel()
+    connection.query("q", 0)
+    assert got == [2]
+
+
+def test_equal_members(ipc):
+    def make(last):
+        inner = ipc.IPCdata(f0=1)
+        return ipc.IPCdata(f0=inner, f1=[inner, last])
+    assert ipc.eq(make(2), make(2)) and not ipc.eq(make(2), make(3))
+    assert make(2) != make(2) and not ipc.eq(make(1), ipc.IPCdata())
+    assert ipc.eq((1, 2), [1, 2]) and not ipc.eq([1], [1, 2])
+
+
+def test_the_version_of_the_library(ipc):
+    assert ipc.library_version() == ipc.__version__

@@ -19,7 +19,7 @@ def programs():
 @pytest.mark.parametrize("number, text, output", programs(),
                          ids=lambda value: str(value) if isinstance(value, int) else "")
 def test_a_program_of_the_document(number, text, output, central):
-    for needed in re.findall(r"^import (numpy)", text, re.MULTILINE):
+    for needed in re.findall(r"^import (numpy|trio)$", text, re.MULTILINE):
         pytest.importorskip(needed)
     path = os.path.join(BUILD, "src/c/central") + os.pathsep + os.environ["PATH"]
     with Program(text, central=central, env={"PATH": path}) as started:

@@ -5,7 +5,7 @@ import weakref
 
 import pytest
 
-from python.tools import Program, ipc as IPC, listen_until
+from python.tools import Program, encoded, ipc as IPC, listen_until, plain
 
 
 class Got(list):
@@ -381,6 +381,7 @@ def test_no_server_is_an_error(ipc):
     assert done.wait() == 0
 
 
+@pytest.mark.new_central("ends at names beyond ASCII")
 def test_text_of_names(module):
     got = Got()
     define(module, "mö", "string")
@@ -392,3 +393,17 @@ def test_text_of_names(module):
         module.IPC_isMsgDefined("a\0b")
     with pytest.raises(TypeError):
         module.IPC_isMsgDefined(3)
+
+
+@pytest.mark.parametrize("text, value", [
+    ("[string:3]", ["a" * 20000, "", "é"]), ("[double:5000]", [float(k) for k in range(5000)]),
+    ("{[char:20000], boolean, *int}", [["x"] * 20000, True, 7]), ("[boolean:9000]", [True] * 9000),
+    ("{int, <{string, short}:1>}", [3000, [["text", 5]] * 3000])], ids=str)
+def test_large_values_of_other_kinds(module, text, value):
+    module.IPC_defineMsg("m", module.IPC_VARIABLE_LENGTH, text)
+    got, raw = [], []
+    module.IPC_subscribeData("m", lambda _, data, __: got.append(data))
+    module.IPC_subscribe("m", lambda _, content, __: raw.append(content))
+    module.IPC_publishData("m", value)
+    listen_until(lambda: got and raw)
+    assert plain(got[0]) == value and bytes(raw[0]) == encoded(text, value)

@@ -1,4 +1,5 @@
 """Names, constants, signatures, what importing does (checks 1 to 5)."""
+import glob
 import inspect
 import subprocess
 import sys
@@ -147,6 +148,11 @@ def test_the_alias_has_the_same_objects_and_some_more():
     assert (done.returncode, done.stdout, done.stderr) == (0, "0 0\n", "")
 
 
+def test_the_alias_says_what_it_is_to_those_who_ask():
+    assert run("import IPC").stderr == ""
+    assert "DeprecationWarning" in run("import IPC", "-Walways").stderr
+
+
 def test_opaque_types_compare_and_hash(ipc):
     ipc.IPC_initialize()
     formatter = ipc.IPC_parseFormat("{int, double}")
@@ -166,3 +172,21 @@ def test_type_hints_hold():
         cwd=ROOT, capture_output=True, text=True, timeout=300, check=False,
         env={"MYPYPATH": ROOT + "/python", "PATH": "/usr/bin:/bin"})
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_type_hints_hold_for_pyright_too():
+    """It comes with pip as well, and may have to get itself first."""
+    command = [sys.executable, "-m", "pyright"]
+    try:
+        asked = subprocess.run([*command, "--version"], capture_output=True, timeout=60, check=False)
+    except subprocess.TimeoutExpired:
+        pytest.skip("pyright cannot be had")
+    if asked.returncode != 0:
+        pytest.skip("pyright is not installed")
+    modules = [path for path in glob.glob(ROOT + "/python/ipc_cffi/**/*.py", recursive=True)
+               if not path.endswith("_build.py")]
+    done = subprocess.run([*command, "--pythonpath", sys.executable, *modules,
+                           ROOT + "/test/python/typed_program.py"], cwd=ROOT + "/python",
+                          capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, "\n".join(line for line in done.stdout.splitlines()
+                                           if " error" in line)

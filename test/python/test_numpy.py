@@ -5,7 +5,7 @@ from typing import Annotated
 
 import pytest
 
-from python.tools import decoded, encoded, ipc as IPC
+from python.tools import decoded, encoded, ipc as IPC, listen_until
 
 numpy = pytest.importorskip("numpy")
 Style = IPC.formatters.Style
@@ -105,3 +105,29 @@ def test_the_process_can_choose(ipc):
     assert decoded("[int:2]", encoded("[int:2]", [1, 2])) == [1, 2]
     with pytest.raises(ValueError):
         ipc.IPC_setArrayType("tuple")
+
+
+def test_large_arrays_are_sent_and_received_where_they_lie(module):
+    image = numpy.arange(480 * 640 * 3, dtype="u4").astype("u1").reshape(480, 640, 3)
+    converter = module.IPC_parseFormat("[ubyte:480,640,3]").converter
+    assert numpy.shares_memory(numpy.frombuffer(converter.encode(image), "u1"), image)
+    assert converter.encode(image[:, ::-1]) == image[:, ::-1].tobytes()
+    got = []
+    module.IPC_setArrayType("numpy")
+    try:
+        for name, text in (("whole", "[ubyte:480,640,3]"),
+                           ("part", "{string, int, int, <ubyte:2,3>, string}")):
+            module.IPC_defineMsg(name, module.IPC_VARIABLE_LENGTH, text)
+            module.IPC_subscribeData(name, lambda _, data, __: got.append(data))
+        module.IPC_publishData("whole", image)
+        module.IPC_publishData("part", ("a", None, None, image.reshape(480, -1), "b"))
+        module.IPC_publishData("whole", numpy.zeros_like(image))
+        listen_until(lambda: len(got) == 3)
+    finally:
+        module.IPC_setArrayType("list")
+    assert (got[0] == image).all() and not got[2].any()
+    assert not got[0].flags.owndata and not got[0].flags.writeable
+    assert (got[1].f0, got[1].f1, got[1].f4) == ("a", 480, "b")
+    assert (got[1].f3 == image.reshape(480, -1)).all()
+    module.IPC_disconnect()
+    assert (got[0] == image).all()  # lives as long as the array

@@ -80,8 +80,48 @@ def test_an_installed_package_works_elsewhere(environment, tmp_path, stack):
     central._stopped = True
 
 
+HELLO = """
+#include <stdio.h>
+#include <ipc/ipcx.h>
+int main(void)
+{
+    IPC_VARCONTENT_TYPE bytes;
+    int number = 7;
+    IPC_initialize();
+    IPC_marshall(IPC_parseFormat("int"), &number, &bytes);
+    printf("%u bytes\\n", bytes.length);
+    return 0;
+}
+"""
+
+
+def test_c_programs_are_built_against_it(environment, tmp_path):
+    def say(what):
+        return run(environment / "bin" / "python", "-c", f"import ipc_cffi; print({what})",
+                   cwd=tmp_path).strip()
+    source, program = tmp_path / "hello.c", tmp_path / "hello"
+    source.write_text(HELLO)
+    run("cc", source, "-I" + say("ipc_cffi.include_dir()"), say("ipc_cffi.library_path()"),
+        "-pthread", "-o", program)
+    assert run(program) == "4 bytes\n"
+    if shutil.which("pkg-config"):
+        env = {**os.environ, "PKG_CONFIG_PATH": say("ipc_cffi.pkgconfig_dir()")}
+        flags = run("pkg-config", "--cflags", "--libs", "ipc", env=env).split()
+        run("cc", source, *flags, "-o", program)
+        assert run(program) == "4 bytes\n"
+        assert run("pkg-config", "--modversion", "ipc", env=env).strip() == say(
+            "ipc_cffi.library_version()")
+
+
+def test_the_demo_needs_nothing_else(environment, tmp_path):
+    out = run(environment / "bin" / "python", "-m", "ipc_cffi", "demo", cwd=tmp_path,
+              env={"PATH": "/nowhere"})
+    assert "all went well" in out
+
+
 def test_the_programs_come_along(environment):
-    for program in ("central", "killCentral", "killModule", "xdrgen"):
+    for program in ("central", "killCentral", "killModule", "xdrgen", "ipc-central",
+                    "ipc-xdrgen"):
         assert os.access(environment / "bin" / program, os.X_OK)
     if shutil.which("bison") and shutil.which("flex"):
         assert "xdrgen" in run(environment / "bin" / "xdrgen", "--help")

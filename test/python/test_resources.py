@@ -6,7 +6,8 @@ import time
 
 import pytest
 
-from python.tools import decoded, encoded, ipc as IPC
+from python.tools import BUILD, PACKAGES, ROOT, decoded, encoded, ipc as IPC
+from support.processes import Process
 from support.waiting import SLOW
 
 
@@ -99,3 +100,12 @@ def test_conversion_is_quick(ipc, text, value, encoding, decoding):
         assert best(lambda: converter.decode(content, ipc.formatters.Style(), Record),
                     times) < decoding * SLOW
     assert decoded(text, content) is not None
+
+
+def test_many_messages_leave_memory_as_it_is():
+    """A small version of what test/bench/python_memory.py does with a million."""
+    script = os.path.join(ROOT, "test", "bench", "python_memory.py")
+    path = os.path.join(BUILD, "src/c/central") + os.pathsep + os.environ["PATH"]
+    with Process([sys.executable, script, "--messages", "20000", "--every", "5000"],
+                 env={"PYTHONPATH": PACKAGES, "PATH": path}) as started:
+        assert started.wait(60 * SLOW) == 0, started.output()

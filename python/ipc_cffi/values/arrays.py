@@ -10,8 +10,8 @@ import struct
 import sys
 from typing import Any, Iterator, List, Optional, Sequence, Tuple, Union
 
-from .blocks import NumpyRowReader, encode_block, typecode
-from .codec import Codec, Reader, Style
+from .blocks import NumpyRowReader, block_of, encode_block, typecode
+from .codec import Codec, Content, Reader, Style
 from .misfit import BadBytes, Misfit, expected
 from .scalars import NATIVE, Scalar
 
@@ -44,7 +44,7 @@ class RowReader:
         self._read = read
         self._least = least
 
-    def read(self, data: bytes, at: int, count: int) -> Tuple[List[Any], int]:
+    def read(self, data: Content, at: int, count: int) -> Tuple[List[Any], int]:
         if count < 0 or count * self._least > len(data) - at or (
                 not self._least and count > LARGEST_EMPTY):
             raise BadBytes
@@ -107,11 +107,12 @@ class NumberRowReader(RowReader):
         self._swap = style.order != sys.byteorder and element.least > 1
         self._from_wire = element.from_wire
 
-    def read(self, data: bytes, at: int, count: int) -> Tuple[List[Any], int]:
+    def read(self, data: Content, at: int, count: int) -> Tuple[List[Any], int]:
         end = at + count * self._size
         if count < 0 or end > len(data):
             raise BadBytes
-        numbers = array.array(self._code, data[at:end])
+        numbers = array.array(self._code)
+        numbers.frombytes(data[at:end])
         if self._swap:
             numbers.byteswap()
         if self._from_wire is not None:
@@ -218,6 +219,12 @@ class FixedArray(Codec):
             self._count *= size
         self.least = self._count * element.least
 
+    def block(self, value: Any) -> Optional[memoryview]:
+        """The bytes of numbers that lie in memory as they are sent."""
+        if isinstance(self._row, NumberRow):
+            return block_of(self._row.element, value, self._dimensions)
+        return None
+
     def encode(self, value: Any, out: bytearray) -> None:
         encode_nested(self._row, value, self._dimensions, out)
 
@@ -225,10 +232,10 @@ class FixedArray(Codec):
         read_row, count = self._row.reader(style, cls).read, self._count
         dimensions = self._dimensions
 
-        def read(data: bytes, at: int) -> Tuple[List[Any], int]:
+        def read(data: Content, at: int) -> Tuple[List[Any], int]:
             return read_row(data, at, count)
 
-        def read_nested(data: bytes, at: int) -> Tuple[List[Any], int]:
+        def read_nested(data: Content, at: int) -> Tuple[List[Any], int]:
             values, at = read_row(data, at, count)
             return shaped(values, dimensions), at
         return read if len(dimensions) == 1 else read_nested

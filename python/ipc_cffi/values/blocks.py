@@ -7,9 +7,9 @@ from __future__ import annotations
 import array
 import struct
 import sys
-from typing import Any, Sequence, Tuple
+from typing import Any, Optional, Sequence, Tuple
 
-from .codec import Style
+from .codec import Content, Style
 from .misfit import BadBytes
 from .scalars import Scalar
 
@@ -33,23 +33,33 @@ def _same_formats(code: str) -> Tuple[str, ...]:
 
 def encode_block(element: Scalar, values: Any, dimensions: Sequence[int], out: bytearray) -> bool:
     """Appends numbers that lie in memory; whether they do, and are what is needed."""
-    if isinstance(values, (list, tuple)):
+    block = block_of(element, values, dimensions)
+    if block is None:
         return False
+    out += block
+    return True
+
+
+def block_of(element: Scalar, values: Any, dimensions: Sequence[int]) -> Optional[memoryview]:
+    """The bytes of numbers that lie in memory, where they lie if possible; None if they do not, or
+    are not what is needed."""
+    if isinstance(values, (list, tuple)):
+        return None
     numpy = sys.modules.get("numpy")
     if numpy is not None and isinstance(values, numpy.ndarray):
-        return _encode_numpy(numpy, element, values, dimensions, out)
+        return _block_of_numpy(numpy, element, values, dimensions)
     if element.to_wire is not None:
-        return False
+        return None
     try:
         view = memoryview(values)
     except TypeError:
-        return False
+        return None
     shape = view.shape or ()
     if (shape[:1] < tuple(dimensions[:1]) or shape[1:] != tuple(dimensions[1:])
             or view.format not in _same_formats(typecode(element.code))):
-        return False
-    out += view[:dimensions[0]].tobytes()
-    return True
+        return None
+    part = view[:dimensions[0]]
+    return part.cast("B") if part.c_contiguous and part.nbytes else memoryview(part.tobytes())
 
 
 # ----------------------------------------------------------------------- NumPy
@@ -59,18 +69,18 @@ def _dtype(numpy: Any, element: Scalar, prefix: str) -> Any:
     return numpy.dtype(f"{prefix}{kind}{element.least}")
 
 
-def _encode_numpy(numpy: Any, element: Scalar, values: Any, dimensions: Sequence[int],
-                  out: bytearray) -> bool:
+def _block_of_numpy(numpy: Any, element: Scalar, values: Any,
+                    dimensions: Sequence[int]) -> Optional[memoryview]:
     if values.ndim != len(dimensions) or any(
             size < wanted for size, wanted in zip(values.shape, dimensions)):
-        return False
+        return None
     part = values[tuple(slice(0, size) for size in dimensions)]
     target = _dtype(numpy, element, "=")
     if not _fits(part, target):
-        return False
-    if part.size:
-        out += memoryview(numpy.ascontiguousarray(part, dtype=target)).cast("B")
-    return True
+        return None
+    if not part.size:
+        return memoryview(b"")
+    return memoryview(numpy.ascontiguousarray(part, dtype=target)).cast("B")
 
 
 def _fits(part: Any, target: Any) -> bool:
@@ -98,7 +108,7 @@ class NumpyRowReader:
         self._size = element.least
         self._is_boolean = element.from_wire is bool
 
-    def read(self, data: bytes, at: int, count: int) -> Tuple[Any, int]:
+    def read(self, data: Content, at: int, count: int) -> Tuple[Any, int]:
         end = at + count * self._size
         if count < 0 or end > len(data):
             raise BadBytes

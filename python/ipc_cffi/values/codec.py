@@ -2,10 +2,13 @@
 from __future__ import annotations
 
 import sys
-from typing import Any, Callable, NamedTuple, Optional, Tuple
+from typing import Any, Callable, NamedTuple, Optional, Tuple, Union
+
+#: Received bytes, or a view of them.
+Content = Union[bytes, memoryview]
 
 #: Reads a value at a place of the bytes: the value, and the place behind it.
-Reader = Callable[[bytes, int], Tuple[Any, int]]
+Reader = Callable[[Content, int], Tuple[Any, int]]
 
 
 class Style(NamedTuple):

@@ -2,11 +2,11 @@
 from __future__ import annotations
 
 import struct
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple, Union
 
 from .. import tree
 from .arrays import FixedArray
-from .codec import Codec, Reader, Style
+from .codec import Codec, Content, Reader, Style
 from .misfit import BadBytes, Misfit, expected
 from .scalars import RawBytes, Scalar, enumeration, primitive
 from .structures import (MemberStep, Pointer, ScalarStep, SelfStep, Step, Structure, VariableStep)
@@ -71,12 +71,19 @@ class Converter:
         self.codec = compile_type(node)
         self._readers: Dict[Tuple[Style, Optional[type]], Reader] = {}
 
-    def encode(self, value: Any) -> bytearray:
-        """The bytes of a value in this host's order.
+    def encode(self, value: Any) -> Union[bytearray, memoryview]:
+        """The bytes of a value in this host's order; of an array perhaps its own.
 
         Raises TypeError, ValueError, OverflowError or AttributeError if it does not fit; the text
         says where.
         """
+        block = self.codec.block(value) if isinstance(self.codec, FixedArray) else None
+        out = self._encode(value) if block is None else block
+        if len(out) > LARGEST:
+            raise OverflowError(f"the data take {len(out)} bytes, a message can hold {LARGEST}")
+        return out
+
+    def _encode(self, value: Any) -> bytearray:
         out = bytearray()
         try:
             if value is None and not isinstance(self.tree, tree.Pointer):
@@ -84,8 +91,6 @@ class Converter:
             self.codec.encode(value, out)
         except Misfit as misfit:
             raise misfit.error(self._root(value), self.text) from None
-        if len(out) > LARGEST:
-            raise OverflowError(f"the data take {len(out)} bytes, a message can hold {LARGEST}")
         return out
 
     def _root(self, value: Any) -> str:
@@ -93,7 +98,7 @@ class Converter:
             return type(value).__name__
         return "data"
 
-    def decode(self, data: bytes, style: Style, cls: Optional[type] = None) -> Any:
+    def decode(self, data: Content, style: Style, cls: Optional[type] = None) -> Any:
         """The value of bytes in that style, with cls for its structures; raises BadBytes."""
         read = self._readers.get((style, cls))
         if read is None:

@@ -7,7 +7,7 @@ import operator
 import struct
 from typing import Any, Callable, Dict, Optional, Tuple
 
-from .codec import Codec, Reader, Style
+from .codec import Codec, Content, Reader, Style
 from .misfit import BadBytes, Misfit, expected, outside
 
 LONG = struct.calcsize("l")
@@ -47,10 +47,10 @@ class Scalar(Codec):
         unpack, size = struct.Struct(style.prefix + self.code).unpack_from, self.least
         from_wire = self.from_wire
 
-        def read(data: bytes, at: int) -> Tuple[Any, int]:
+        def read(data: Content, at: int) -> Tuple[Any, int]:
             return unpack(data, at)[0], at + size
 
-        def read_and_convert(data: bytes, at: int) -> Tuple[Any, int]:
+        def read_and_convert(data: Content, at: int) -> Tuple[Any, int]:
             return from_wire(unpack(data, at)[0]), at + size  # type: ignore[misc]
         return read if from_wire is None else read_and_convert
 
@@ -175,13 +175,13 @@ class String(Codec):
     def reader(self, style: Style, cls: Optional[type]) -> Reader:
         count = struct.Struct(style.prefix + "i").unpack_from
 
-        def read(data: bytes, at: int) -> Tuple[str, int]:
+        def read(data: Content, at: int) -> Tuple[str, int]:
             (length,) = count(data, at)
             start = at + 4
             end = start + (length or 1)
             if length < 0 or end > len(data):
                 raise BadBytes
-            return data[start:start + length].decode("utf-8", "surrogateescape"), end
+            return str(data[start:start + length], "utf-8", "surrogateescape"), end
         return read
 
 
@@ -206,10 +206,10 @@ class RawBytes(Codec):
     def reader(self, style: Style, cls: Optional[type]) -> Reader:
         length = self.least
 
-        def read(data: bytes, at: int) -> Tuple[bytes, int]:
+        def read(data: Content, at: int) -> Tuple[bytes, int]:
             if at + length > len(data):
                 raise BadBytes
-            return data[at:at + length], at + length
+            return bytes(data[at:at + length]), at + length
         return read
 
 
@@ -225,7 +225,7 @@ class Unsupported(Codec):
         raise Misfit(TypeError, f"values of the primitive {self._name} cannot be sent from Python")
 
     def reader(self, style: Style, cls: Optional[type]) -> Reader:
-        def read(data: bytes, at: int) -> Tuple[Any, int]:
+        def read(data: Content, at: int) -> Tuple[Any, int]:
             raise BadBytes
         return read
 

@@ -12,12 +12,12 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
 
 from ..records import MISSING, Fields, IPCdata, builder, fields_of, members_of
 from .arrays import check_sequence, encode_nested, row_of, shaped
-from .codec import Codec, Reader, Style
+from .codec import Codec, Content, Reader, Style
 from .misfit import BadBytes, Misfit, expected, member_step
 from .scalars import NATIVE, Scalar
 
 #: Where a value of a member begins, and the step behind it.
-ReadStep = Callable[[bytes, int, List[Any]], int]
+ReadStep = Callable[[Content, int, List[Any]], int]
 
 
 class Pointer(Codec):
@@ -38,7 +38,7 @@ class Pointer(Codec):
     def reader(self, style: Style, cls: Optional[type]) -> Reader:
         read_target = self._target.reader(style, cls)
 
-        def read(data: bytes, at: int) -> Tuple[Any, int]:
+        def read(data: Content, at: int) -> Tuple[Any, int]:
             return read_target(data, at + 1) if data[at] else (None, at + 1)
         return read
 
@@ -103,11 +103,11 @@ class ScalarStep(Step):
         unpacker = struct.Struct(style.prefix + self._codes)
         unpack, size, from_wire = unpacker.unpack_from, unpacker.size, self._from_wire
 
-        def read(data: bytes, at: int, values: List[Any]) -> int:
+        def read(data: Content, at: int, values: List[Any]) -> int:
             values.extend(unpack(data, at))
             return at + size
 
-        def read_and_convert(data: bytes, at: int, values: List[Any]) -> int:
+        def read_and_convert(data: Content, at: int, values: List[Any]) -> int:
             start = len(values)
             values.extend(unpack(data, at))
             for index, convert in from_wire:
@@ -135,7 +135,7 @@ class MemberStep(Step):
         read_member = self._codec.reader(_style_of(style, fields, self.first),
                                          fields.class_of(self.first))
 
-        def read(data: bytes, at: int, values: List[Any]) -> int:
+        def read(data: Content, at: int, values: List[Any]) -> int:
             value, at = read_member(data, at)
             values.append(value)
             return at
@@ -158,11 +158,11 @@ class VariableStep(Step):
 
     def supply_sizes(self, values: List[Any]) -> None:
         """Sets the sizes that are missing or None."""
-        part = values[self.first]
+        part: Any = values[self.first]
         for index in self.references:
             if values[index] is MISSING or values[index] is None:
                 values[index] = 0 if part is None or part is MISSING else _length(part)
-            part = part[0] if _length(part) else ()
+            part = part[0] if part is not None and _length(part) else ()
 
     def encode(self, values: Sequence[Any], out: bytearray, names: Fields) -> None:
         array = values[self.first]
@@ -185,7 +185,7 @@ class VariableStep(Step):
         read_row = self._row.reader(_style_of(style, fields, self.first),
                                     fields.class_of(self.first)).read
 
-        def read(data: bytes, at: int, values: List[Any]) -> int:
+        def read(data: Content, at: int, values: List[Any]) -> int:
             elements, at = read_row(data, at + 4, count(data, at)[0])
             values.append(elements)
             return at
@@ -333,7 +333,7 @@ class Structure(Codec):
         # Made when the first one is read: a class may be its own member's class.
         chosen = cls or IPCdata
 
-        def read(data: bytes, at: int) -> Tuple[Any, int]:
+        def read(data: Content, at: int) -> Tuple[Any, int]:
             return self.plan(style, fields_of(chosen, self._count)).read(data, at)
         return read
 
@@ -415,7 +415,7 @@ class _Plan:
             step.put_into_shape(values)
         return self.build(values)
 
-    def _read_plain(self, data: bytes, at: int) -> Tuple[Any, int]:
+    def _read_plain(self, data: Content, at: int) -> Tuple[Any, int]:
         values: List[Any] = []
         for read in self.reads:
             at = read(data, at, values)  # type: ignore[misc]
@@ -427,7 +427,7 @@ class _Plan:
         return self if cls is None else self._structure.plan(
             self._style, fields_of(cls, self._structure.count))
 
-    def _read_linked(self, data: bytes, at: int) -> Tuple[Any, int]:
+    def _read_linked(self, data: Content, at: int) -> Tuple[Any, int]:
         """Reads this structure and those it leads to; innermost are complete first."""
         steps = self._structure.steps
         nodes: List[_Half] = [_Half(self)]
