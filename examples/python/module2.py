@@ -76,8 +76,10 @@ def main():
 
     print("\nType 'q' to quit", flush=True)
     while not done:
-        IPC.IPC_listen(250)
+        result = IPC.IPC_listen(250)
         sys.stdout.flush()
+        if result == IPC.IPC_Error and not done:
+            sys.exit(1)  # The server has gone; that has been printed
     IPC.IPC_disconnect()
 
 

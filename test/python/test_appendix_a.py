@@ -169,3 +169,12 @@ def test_what_is_printed_of_structures(scene):
     for module in (module1, module2):
         module.write_line("q")
         assert module.wait() == 0
+
+
+@pytest.mark.parametrize("name", ["module1", "module2", "module3"])
+def test_a_module_ends_with_its_server(scene, name):
+    """None goes on without one, printing errors."""
+    scene = scene()
+    module = scene.start(name, "Python")
+    scene.central.stop()
+    assert module.wait() != 0
