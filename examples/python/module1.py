@@ -19,12 +19,14 @@ def msg2Handler(msgRef, callData, clientData):
 
 
 done = False
+# Unbuffered, so that no line hides from IPC_subscribeFD
+keyboard = open(sys.stdin.fileno(), "rb", buffering=0, closefd=False)
 
 
 def stdinHnd(_fd, clientData):
     """Is called when there is a line to read, or no line will come any more."""
     global done
-    line = sys.stdin.readline()
+    line = keyboard.readline().decode()
     if not line or line[0] in "qQ":
         IPC.IPC_disconnect()
         done = True

@@ -15,9 +15,13 @@ def handler(name):
     return unmarshall_and_print
 
 
+# Unbuffered, so that no line hides from IPC_subscribeFD
+keyboard = open(sys.stdin.fileno(), "rb", buffering=0, closefd=False)
+
+
 def stdinHnd(_fd, _clientData):
     """Is called when there is a line to read, or no line will come any more."""
-    line = sys.stdin.readline()
+    line = keyboard.readline().decode()
     if not line or line[0] in "qQ":
         sys.exit()  # comes out of IPC_dispatch
 

@@ -178,3 +178,10 @@ def test_a_module_ends_with_its_server(scene, name):
     module = scene.start(name, "Python")
     scene.central.stop()
     assert module.wait() != 0
+
+
+@pytest.mark.parametrize("name", ["module1", "module2", "module3"])
+def test_keys_that_come_together_are_all_read(scene, name):
+    module = scene().start(name, "Python")
+    module.write_line("x\nq")
+    assert module.wait() == 0
