@@ -73,29 +73,30 @@ class BuildPrograms(Command):
         # Access control needs libwrap, which a package for any machine cannot count on.
         self.program("central", sources(*LOWER, "platform/posix/server", "central", "central/*",
                                         without=["rules.c"]))
+        library = self.library()
         for command in ("killCentral", "killModule"):
-            self.program(command, [*sources(*LOWER, "libipc"),
-                                   os.path.relpath(os.path.join(ROOT, f"src/c/shell/{command}.c"))])
-        self.library()
+            self.program(command, [os.path.join("src/c/shell", f"{command}.c"), library])
         if shutil.which("bison") and shutil.which("flex"):
             self.xdrgen()
         else:
             self.warn("no bison and flex here: the package is built without xdrgen")
 
     def program(self, name, files, includes=(), macros=()):
-        """Compiles and links one program if it is not up to date."""
+        """Compiles and links one program, of sources and libraries, if it is not up to date."""
         target = os.path.join(self.build_lib, "ipc_cffi", "bin", name)
         if is_newer(target, [*files, *headers()]):
             return
+        libraries = [file for file in files if file.endswith(".a")]
         objects = self.compiler.compile(
-            files, output_dir=os.path.join(self.build_temp, name),
+            [file for file in files if file not in libraries],
+            output_dir=os.path.join(self.build_temp, name),
             macros=[*self.macros, *macros], include_dirs=[*self.includes, *includes],
             extra_postargs=["-std=gnu99"])
-        self.compiler.link_executable(objects, name, output_dir=os.path.dirname(target),
+        self.compiler.link_executable([*objects, *libraries], name, output_dir=os.path.dirname(target),
                                       extra_postargs=["-pthread"])
 
     def library(self):
-        """Adds what C programs need to be built against this copy of the library."""
+        """Adds what C programs need to be built against this copy of the library; its path."""
         package = os.path.join(self.build_lib, "ipc_cffi")
         files = sources(*LOWER, "libipc")
         folders = [os.path.join(package, name) for name in ("include/ipc", "lib/pkgconfig")]
@@ -107,11 +108,12 @@ class BuildPrograms(Command):
             file.write(PKG_CONFIG.format(version=_build.versions()["IPC_VERSION"].strip('"')))
         target = os.path.join(package, "lib", "libipc.a")
         if is_newer(target, [*files, *headers()]):
-            return
+            return target
         objects = self.compiler.compile(
             files, output_dir=os.path.join(self.build_temp, "libipc"), macros=self.macros,
             include_dirs=self.includes, extra_postargs=["-std=gnu99", "-fPIC", "-fvisibility=hidden"])
         self.compiler.create_static_lib(objects, "ipc", output_dir=os.path.dirname(target))
+        return target
 
     def xdrgen(self):
         """Makes the parser and builds xdrgen."""

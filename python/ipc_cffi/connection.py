@@ -158,7 +158,11 @@ class _Waker:
         self._read, self._write = os.pipe()
         for descriptor in (self._read, self._write):
             os.set_blocking(descriptor, False)
-        IPC_subscribeFD(self._read, lambda fd, client_data: os.read(fd, 4096))
+        IPC_subscribeFD(self._read, self._drain)
+
+    def _drain(self, descriptor: int, client_data: Any) -> None:
+        with contextlib.suppress(BlockingIOError):  # another thread may have been quicker
+            os.read(descriptor, 4096)
 
     def wake(self) -> None:
         with self._lock, contextlib.suppress(BlockingIOError):

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from python.tools import BUILD, PACKAGES, Program
+from python.tools import BUILD, PACKAGES, Program, ipc as IPC
 from support.processes import Process
 from support.waiting import PATIENCE, SLOW
 
@@ -39,7 +39,7 @@ def test_the_demo_goes_well():
 
 def test_help_and_versions():
     assert run("--version")[:2] == run("version")[:2] == (
-        0, "ipc_cffi 4.0.0, libipc 4.0.0\n")
+        0, f"ipc_cffi {IPC.__version__}, libipc {IPC.library_version()}\n")
     status, out, _ = run("--help")
     assert status == 0
     for name in ("demo", "pub NAME", "sub NAME", "query NAME", "echo NAME", "killCentral"):
