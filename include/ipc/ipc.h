@@ -61,6 +61,13 @@ extern "C" {
 #pragma GCC visibility push(default)
 #endif
 
+/* Data of a DLL: a program that uses the library as one defines IPC_DLL; functions need nothing. */
+#if defined(_WIN32) && defined(IPC_DLL)
+#define IPC_DATA __declspec(dllimport)
+#else
+#define IPC_DATA
+#endif
+
 /* ------------------------------------------------------------ constants */
 
 /* As a time limit: none. */
@@ -171,7 +178,7 @@ typedef void *TIMER_REF;
  * The reason of the last failure in this process, of any thread and context.
  * Successful calls do not reset it; a program may assign IPC_No_Error. [4.11]
  */
-extern IPC_ERROR_TYPE IPC_errno;
+extern IPC_DATA IPC_ERROR_TYPE IPC_errno;
 
 /*
  * Prints "<msg>: <text of IPC_errno>" on stderr, or the text alone if msg is NULL
