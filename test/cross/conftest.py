@@ -41,9 +41,11 @@ def machine(pytestconfig, request, central_program, library, compiler):
             return Here(request.getfixturevalue("original_central_program"),
                         request.getfixturevalue("original_library"), compiler)
         try:
-            return Machine(PLATFORMS[name], os.path.join(os.path.abspath(build), "cross", name))
+            machine = Machine(PLATFORMS[name], os.path.join(os.path.abspath(build), "cross", name))
         except Missing as missing:
             return missing
+        request.addfinalizer(machine.close)
+        return machine
 
     def get(name):
         found = find(name)
