@@ -19,10 +19,10 @@ class Missing(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Platform:
-    """A kind of machine, or of C library; see cmake/toolchains."""
+    """A kind of machine, of C library, or of system."""
 
     name: str
-    toolchain: str
+    toolchain: str  # a file of CMake's
     compiler: str
     order: str
     long_size: int
@@ -30,6 +30,7 @@ class Platform:
     link: tuple = ()    # what the linker is told besides
     central: str = "src/c/central/central"
     driver: str = "module_driver"
+    unix_sockets: bool = True
 
     def check(self):
         """Raises Missing with the reason."""
@@ -39,7 +40,8 @@ class Platform:
 
 
 def _debian(name, triple, order, long_size, *runner):
-    return Platform(name, triple, f"{triple}-gcc", order, long_size, runner)
+    return Platform(name, f"cmake/toolchains/{triple}.cmake", f"{triple}-gcc", order, long_size,
+                    runner)
 
 
 PLATFORMS = {platform.name: platform for platform in (
@@ -47,10 +49,10 @@ PLATFORMS = {platform.name: platform for platform in (
     _debian("powerpc", "powerpc-linux-gnu", ">", 4, "qemu-ppc", "-L", "/usr/powerpc-linux-gnu"),
     _debian("i686", "i686-linux-gnu", "<", 4, "/usr/i686-linux-gnu/lib/ld-linux.so.2",
             "--library-path", "/usr/i686-linux-gnu/lib"),
-    Platform("musl", "musl", "musl-gcc", "<", 8, link=("-static",)),
-    Platform("windows", "mingw", "x86_64-w64-mingw32-gcc", "<", 4, runner=("wine",),
+    Platform("musl", "cmake/toolchains/musl.cmake", "musl-gcc", "<", 8, link=("-static",)),
+    Platform("windows", "Windows/mingw.cmake", "x86_64-w64-mingw32-gcc", "<", 4, runner=("wine",),
              link=("-static-libgcc", "-Wl,-Bstatic"), central="bin/central.exe",
-             driver="bin/module_driver.exe"))}
+             driver="bin/module_driver.exe", unix_sockets=False))}
 
 
 class Wine:
@@ -89,7 +91,7 @@ class Machine:
         os.makedirs(directory, exist_ok=True)
         self._run("cmake", "-S", ROOT, "-B", directory, "-DIPC_BUILD_TESTS=ON",
                   "-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DIPC_WERROR=ON",
-                  f"-DCMAKE_TOOLCHAIN_FILE={ROOT}/cmake/toolchains/{platform.toolchain}.cmake")
+                  f"-DCMAKE_TOOLCHAIN_FILE={ROOT}/{platform.toolchain}")
         self._run("cmake", "--build", directory, "--parallel", "2")
         if "wine" in platform.runner:
             self.wine = Wine()

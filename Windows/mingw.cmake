@@ -1,5 +1,4 @@
 # 64-bit Windows by mingw-w64; wine runs the programs.  Debian: gcc-mingw-w64-x86-64-posix, wine.
-# Elsewhere than on Windows, set WINEPREFIX to a folder of its own for a while.
 set(CMAKE_SYSTEM_NAME Windows)
 set(CMAKE_SYSTEM_PROCESSOR x86_64)
 set(TRIPLE x86_64-w64-mingw32)
