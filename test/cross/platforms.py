@@ -28,9 +28,7 @@ class Platform:
     long_size: int
     runner: tuple = ()  # the command before a program
     link: tuple = ()    # what the linker is told besides
-    central: str = "src/c/central/central"
-    driver: str = "module_driver"
-    unix_sockets: bool = True
+    windows: bool = False
 
     def check(self):
         """Raises Missing with the reason."""
@@ -51,8 +49,7 @@ PLATFORMS = {platform.name: platform for platform in (
             "--library-path", "/usr/i686-linux-gnu/lib"),
     Platform("musl", "cmake/toolchains/musl.cmake", "musl-gcc", "<", 8, link=("-static",)),
     Platform("windows", "Windows/mingw.cmake", "x86_64-w64-mingw32-gcc", "<", 4, runner=("wine",),
-             link=("-static-libgcc", "-Wl,-Bstatic"), central="bin/central.exe",
-             driver="bin/module_driver.exe", unix_sockets=False))}
+             link=("-static-libgcc", "-Wl,-Bstatic"), windows=True))}
 
 
 class Wine:
@@ -93,12 +90,13 @@ class Machine:
                   "-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DIPC_WERROR=ON",
                   f"-DCMAKE_TOOLCHAIN_FILE={ROOT}/{platform.toolchain}")
         self._run("cmake", "--build", directory, "--parallel", "2")
-        if "wine" in platform.runner:
+        if platform.windows:
             self.wine = Wine()
         self.environment = self.wine.environment if self.wine else {}
-        self.central = self._program("central", os.path.join(directory, platform.central))
+        self.central = self.program("src/c/central/central")
         self._check_that_programs_run()
-        self.driver = self._program("driver", self._build_driver())
+        self._build_driver()
+        self.driver = self.program("module_driver")
 
     def close(self):
         """Ends what serves its programs."""
@@ -121,20 +119,23 @@ class Machine:
             raise Missing(f"its programs do not run here: {done.stderr.strip()}")
 
     def _build_driver(self):
-        program = os.path.join(self.directory, self.platform.driver)
         library = os.path.join(self.directory, "src/c/libipc")
-        self._run(self.platform.compiler, "-g", "-o", program, SOURCE, *FLAGS, *INCLUDES,
+        self._run(self.platform.compiler, "-g", "-o", self._path("module_driver"), SOURCE, *FLAGS, *INCLUDES,
                   f"-L{library}", f"-Wl,-rpath,{library}", "-lipc", *self.platform.link, "-lpthread")
-        return program
 
-    def _program(self, name, path):
-        """A command of one word that runs the program and becomes it."""
-        command = os.path.join(self.directory, f"run-{name}")
+    def _path(self, program):
+        if self.platform.windows:  # all beside the DLL
+            program = f"bin/{os.path.basename(program)}.exe"
+        return os.path.join(self.directory, program)
+
+    def program(self, path):
+        """A command of one word that runs the program with that path in the build, and becomes it."""
+        command = os.path.join(self.directory, f"run-{os.path.basename(path)}")
         with open(command, "w", encoding="utf-8") as script:
             script.write("#!/bin/sh\n")
             script.writelines(f"export {variable}='{value}'\n"
                               for variable, value in self.environment.items())
-            script.write(f'exec {" ".join((*self.platform.runner, path))} "$@"\n')
+            script.write(f'exec {" ".join((*self.platform.runner, self._path(path)))} "$@"\n')
         os.chmod(command, 0o755)
         return command
 
