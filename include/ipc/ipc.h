@@ -61,13 +61,6 @@ extern "C" {
 #pragma GCC visibility push(default)
 #endif
 
-/* Data of a DLL: a program that uses the library as one defines IPC_DLL; functions need nothing. */
-#if defined(_WIN32) && defined(IPC_DLL)
-#define IPC_DATA __declspec(dllimport)
-#else
-#define IPC_DATA
-#endif
-
 /* ------------------------------------------------------------ constants */
 
 /* As a time limit: none. */
@@ -178,7 +171,10 @@ typedef void *TIMER_REF;
  * The reason of the last failure in this process, of any thread and context.
  * Successful calls do not reset it; a program may assign IPC_No_Error. [4.11]
  */
-extern IPC_DATA IPC_ERROR_TYPE IPC_errno;
+#if defined(_WIN32) && defined(IPC_DLL)
+__declspec(dllimport) /* data of a DLL; functions need nothing */
+#endif
+extern IPC_ERROR_TYPE IPC_errno;
 
 /*
  * Prints "<msg>: <text of IPC_errno>" on stderr, or the text alone if msg is NULL
