@@ -18,7 +18,7 @@
 #include "base/memory.h"
 
 enum {
-    PIECE = 65536, /* read or written at a time */
+    PIECE = 65536,    /* read or written at a time */
     MANY_NAMES = 100, /* tries to find a name that is free */
     INPUT_STREAM = 0,
     OUTPUT_STREAM = 1
