@@ -17,7 +17,7 @@ ROOT = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(ROOT, "python", "ipc_cffi"))
 import _build  # noqa: E402  pylint: disable=wrong-import-position
 
-LOWER = ("base", "platform/posix", "format", "wire", "link")
+LOWER = ("base", "platform", "platform/posix", "format", "wire", "link")
 
 
 def sources(*folders, without=()):
@@ -71,7 +71,8 @@ class BuildPrograms(Command):
         self.macros = [*_build.versions().items(), ("IPC_BUILD_TIME", '""')]
         self.includes = [os.path.join(ROOT, "src/c"), os.path.join(ROOT, "include")]
         # Access control needs libwrap, which a package for any machine cannot count on.
-        self.program("central", sources(*LOWER, "platform/posix/server", "central", "central/*",
+        self.program("central", sources(*LOWER, "platform/server", "platform/posix/server",
+                                        "central", "central/*",
                                         without=["rules.c"]))
         library = self.library()
         for command in ("killCentral", "killModule"):
@@ -129,7 +130,7 @@ class BuildPrograms(Command):
         files = [os.path.relpath(path) for path in sorted(
             glob.glob(os.path.join(folder, "*.c")) +
             glob.glob(os.path.join(folder, "platform/posix/*.c")))]
-        self.program("xdrgen", [*files, *sources("base", "platform/posix", "format"),
+        self.program("xdrgen", [*files, *sources("base", "platform", "platform/posix", "format"),
                                 parser, scanner], [folder, made],
                      [("XDRGEN_VERSION", _build.versions()["IPC_VERSION"])])
 

@@ -22,17 +22,25 @@ endfunction()
 ipc_describe_users(ipc)
 
 get_target_property(IPC_LIBRARY_TYPE ipc TYPE)
+if(WIN32 AND IPC_LIBRARY_TYPE STREQUAL "SHARED_LIBRARY")
+    # A DLL shows what a list names, and who uses its data has to know that it is one.
+    target_sources(ipc PRIVATE ${PROJECT_SOURCE_DIR}/Windows/ipc.def)
+    target_compile_definitions(ipc INTERFACE IPC_DLL)
+endif()
 if(IPC_LIBRARY_TYPE STREQUAL "SHARED_LIBRARY")
     add_library(ipc_static STATIC $<TARGET_OBJECTS:ipc> $<TARGET_OBJECTS:ipc_core>)
     set_target_properties(ipc_static PROPERTIES
         OUTPUT_NAME ipc
         LINKER_LANGUAGE C)
-    target_link_libraries(ipc_static PUBLIC Threads::Threads)
+    if(MSVC)
+        set_target_properties(ipc_static PROPERTIES OUTPUT_NAME ipc_static) # ipc.lib is the DLL's
+    endif()
+    target_link_libraries(ipc_static PUBLIC ${IPC_SYSTEM_LIBRARIES})
     ipc_describe_users(ipc_static)
     set(IPC_ARCHIVE ipc_static)
 else()
-    # The shared layers are in the archive; users need no more than threads.
-    set_target_properties(ipc PROPERTIES INTERFACE_LINK_LIBRARIES Threads::Threads)
+    # The shared layers are in the archive; users need no more than the system's libraries.
+    set_target_properties(ipc PROPERTIES INTERFACE_LINK_LIBRARIES "${IPC_SYSTEM_LIBRARIES}")
     set(IPC_ARCHIVE ipc)
 endif()
 

@@ -171,6 +171,9 @@ typedef void *TIMER_REF;
  * The reason of the last failure in this process, of any thread and context.
  * Successful calls do not reset it; a program may assign IPC_No_Error. [4.11]
  */
+#if defined(_WIN32) && defined(IPC_DLL)
+__declspec(dllimport) /* data of a DLL; functions need nothing */
+#endif
 extern IPC_ERROR_TYPE IPC_errno;
 
 /*

@@ -12,7 +12,7 @@ from cffi import FFI
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
-LAYERS = ("base", "platform/posix", "format", "wire", "link", "libipc")
+LAYERS = ("base", "platform", "platform/posix", "format", "wire", "link", "libipc")
 
 CDEF = """
 typedef int... IPC_RETURN_TYPE;
@@ -131,7 +131,7 @@ def library():
     # Relative to where setuptools runs: it puts the objects in the same places below its own.
     sources = [os.path.relpath(path) for layer in LAYERS
                for path in sorted(glob.glob(os.path.join(ROOT, "src/c", layer, "*.c")))]
-    headers = [path for layer in (*LAYERS, "platform")
+    headers = [path for layer in LAYERS
                for path in sorted(glob.glob(os.path.join(ROOT, "src/c", layer, "*.h")))]
     return {"sources": sources, "depends": headers,
             "include_dirs": [os.path.join(ROOT, "include"), os.path.join(ROOT, "src/c")],

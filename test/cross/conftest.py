@@ -28,10 +28,16 @@ class Here:
 
 
 @pytest.fixture(scope="session")
-def machine(pytestconfig, request, central_program, library, compiler):
+def build_directory(pytestconfig):
+    """Where the programs of this machine are built."""
+    build = os.environ.get("IPC_BUILD_DIR") or os.path.join(pytestconfig.rootpath, "..", "build/dev")
+    return os.path.abspath(build)
+
+
+@pytest.fixture(scope="session")
+def machine(build_directory, request, central_program, library, compiler):
     """Gives the machine of a name, built when it is first asked for; skips the test where the
     machine cannot be had."""
-    build = os.environ.get("IPC_BUILD_DIR") or os.path.join(pytestconfig.rootpath, "..", "build/dev")
 
     @functools.lru_cache(None)
     def find(name):
@@ -41,9 +47,11 @@ def machine(pytestconfig, request, central_program, library, compiler):
             return Here(request.getfixturevalue("original_central_program"),
                         request.getfixturevalue("original_library"), compiler)
         try:
-            return Machine(PLATFORMS[name], os.path.join(os.path.abspath(build), "cross", name))
+            machine = Machine(PLATFORMS[name], os.path.join(build_directory, "cross", name))
         except Missing as missing:
             return missing
+        request.addfinalizer(machine.close)
+        return machine
 
     def get(name):
         found = find(name)

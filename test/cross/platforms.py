@@ -3,6 +3,7 @@ import dataclasses
 import os
 import shutil
 import subprocess
+import tempfile
 
 from support.driver import FLAGS, SOURCE
 from support.waiting import SLOW
@@ -18,26 +19,27 @@ class Missing(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Platform:
-    """A kind of machine, or of C library; see cmake/toolchains."""
+    """A kind of machine, of C library, or of system."""
 
     name: str
-    toolchain: str
+    toolchain: str  # a file of CMake's
     compiler: str
     order: str
     long_size: int
     runner: tuple = ()  # the command before a program
     link: tuple = ()    # what the linker is told besides
+    windows: bool = False
 
     def check(self):
         """Raises Missing with the reason."""
-        if shutil.which(self.compiler) is None:
-            raise Missing(f"no {self.compiler}")
-        if self.runner and shutil.which(self.runner[0]) is None:
-            raise Missing(f"no {self.runner[0]}")
+        for command in (self.compiler, *self.runner[:1]):
+            if shutil.which(command) is None:
+                raise Missing(f"no {command}")
 
 
 def _debian(name, triple, order, long_size, *runner):
-    return Platform(name, triple, f"{triple}-gcc", order, long_size, runner)
+    return Platform(name, f"cmake/toolchains/{triple}.cmake", f"{triple}-gcc", order, long_size,
+                    runner)
 
 
 PLATFORMS = {platform.name: platform for platform in (
@@ -45,7 +47,34 @@ PLATFORMS = {platform.name: platform for platform in (
     _debian("powerpc", "powerpc-linux-gnu", ">", 4, "qemu-ppc", "-L", "/usr/powerpc-linux-gnu"),
     _debian("i686", "i686-linux-gnu", "<", 4, "/usr/i686-linux-gnu/lib/ld-linux.so.2",
             "--library-path", "/usr/i686-linux-gnu/lib"),
-    Platform("musl", "musl", "musl-gcc", "<", 8, link=("-static",)))}
+    Platform("musl", "cmake/toolchains/musl.cmake", "musl-gcc", "<", 8, link=("-static",)),
+    Platform("windows", "Windows/mingw.cmake", "x86_64-w64-mingw32-gcc", "<", 4, runner=("wine",),
+             link=("-static-libgcc", "-Wl,-Bstatic"), windows=True))}
+
+
+class Wine:
+    """What wine needs to run programs: a folder that is its Windows, and processes that serve it,
+    until close()."""
+
+    def __init__(self):
+        self.folder = tempfile.mkdtemp(prefix="wine-")
+        self.environment = {"WINEPREFIX": self.folder, "WINEDEBUG": "-all",
+                            "WINEDLLOVERRIDES": "mscoree=;mshtml="}  # installs nothing then
+        self._run("wineserver", "-p")  # stays, and so do the services that wineboot starts, so
+        self._run("wineboot", "-i")    # that programs start fast and leave nothing behind
+
+    def _run(self, *command):
+        try:
+            subprocess.run(command, env={**os.environ, **self.environment}, check=False,
+                           timeout=BUILD_SECONDS, stdin=subprocess.DEVNULL,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        except FileNotFoundError:
+            raise Missing(f"no {command[0]}") from None
+
+    def close(self):
+        self._run("wineserver", "-k")
+        self._run("wineserver", "-w")
+        shutil.rmtree(self.folder, ignore_errors=True)
 
 
 class Machine:
@@ -54,15 +83,25 @@ class Machine:
     def __init__(self, platform, directory):
         self.platform, self.directory = platform, directory
         self.order, self.long_size = platform.order, platform.long_size
+        self.wine = None
         platform.check()
         os.makedirs(directory, exist_ok=True)
         self._run("cmake", "-S", ROOT, "-B", directory, "-DIPC_BUILD_TESTS=ON",
                   "-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DIPC_WERROR=ON",
-                  f"-DCMAKE_TOOLCHAIN_FILE={ROOT}/cmake/toolchains/{platform.toolchain}.cmake")
+                  f"-DCMAKE_TOOLCHAIN_FILE={ROOT}/{platform.toolchain}")
         self._run("cmake", "--build", directory, "--parallel", "2")
-        self.central = self._program("central", os.path.join(directory, "src/c/central/central"))
+        if platform.windows:
+            self.wine = Wine()
+        self.environment = self.wine.environment if self.wine else {}
+        self.central = self.program("src/c/central/central")
         self._check_that_programs_run()
-        self.driver = self._program("driver", self._build_driver())
+        self._build_driver()
+        self.driver = self.program("module_driver")
+
+    def close(self):
+        """Ends what serves its programs."""
+        if self.wine:
+            self.wine.close()
 
     @staticmethod
     def _run(*command):
@@ -80,17 +119,23 @@ class Machine:
             raise Missing(f"its programs do not run here: {done.stderr.strip()}")
 
     def _build_driver(self):
-        program = os.path.join(self.directory, "module_driver")
         library = os.path.join(self.directory, "src/c/libipc")
-        self._run(self.platform.compiler, "-g", "-o", program, SOURCE, *FLAGS, *INCLUDES,
+        self._run(self.platform.compiler, "-g", "-o", self._path("module_driver"), SOURCE, *FLAGS, *INCLUDES,
                   f"-L{library}", f"-Wl,-rpath,{library}", "-lipc", *self.platform.link, "-lpthread")
-        return program
 
-    def _program(self, name, path):
-        """A command of one word that runs the program and becomes it."""
-        command = os.path.join(self.directory, f"run-{name}")
+    def _path(self, program):
+        if self.platform.windows:  # all beside the DLL
+            program = f"bin/{os.path.basename(program)}.exe"
+        return os.path.join(self.directory, program)
+
+    def program(self, path):
+        """A command of one word that runs the program with that path in the build, and becomes it."""
+        command = os.path.join(self.directory, f"run-{os.path.basename(path)}")
         with open(command, "w", encoding="utf-8") as script:
-            script.write(f'#!/bin/sh\nexec {" ".join((*self.platform.runner, path))} "$@"\n')
+            script.write("#!/bin/sh\n")
+            script.writelines(f"export {variable}='{value}'\n"
+                              for variable, value in self.environment.items())
+            script.write(f'exec {" ".join((*self.platform.runner, self._path(path)))} "$@"\n')
         os.chmod(command, 0o755)
         return command
 
@@ -99,5 +144,5 @@ class Machine:
         done = subprocess.run(
             ["ctest", "--test-dir", self.directory, "--output-on-failure", "--no-tests=error",
              *selection], capture_output=True, text=True, timeout=BUILD_SECONDS,
-            stdin=subprocess.DEVNULL, check=False)
+            stdin=subprocess.DEVNULL, check=False, env={**os.environ, **self.environment})
         return done.returncode, done.stdout + done.stderr

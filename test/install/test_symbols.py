@@ -46,6 +46,14 @@ def test_the_static_library_shows_the_listed_symbols_and_no_others(build):
     assert symbols_of(build.static_library) == listed_symbols()
 
 
+def test_the_dll_shows_the_listed_symbols_and_no_others():
+    with open(os.path.join(ROOT, "Windows/ipc.def"), encoding="utf-8") as lines:
+        shown = [line.split(";")[0].split() for line in lines]
+    assert {words[0]: "data" if words[1:] == ["DATA"] else "function"
+            for words in shown if words and words != ["EXPORTS"]} == \
+        {name: kind for name, (kind, _) in listed_symbols().items()}
+
+
 def test_the_soname_is_the_one_that_old_programs_ask_for(build):
     assert "Library soname: [libipc.so.1]" in run(tool("readelf"), "-d", build.shared_library)
 

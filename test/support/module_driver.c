@@ -20,6 +20,14 @@
 #include <time.h>
 #include <unistd.h>
 
+#if defined(_WIN32)
+#include <fcntl.h>
+#include <io.h>
+#define END_AT_ONCE() _exit(9)
+#else
+#define END_AT_ONCE() raise(SIGKILL)
+#endif
+
 enum {
     WORDS = 24,
     LINE = 1 << 17,
@@ -230,7 +238,7 @@ static void act(struct subscription *subscription, MSG_INSTANCE instance, BYTE_A
         IPC_disconnect();
     } else if (strcmp(action, "kill") == 0) {
         fflush(stdout);
-        raise(SIGKILL);
+        END_AT_ONCE();
     }
 }
 
@@ -571,8 +579,10 @@ static void command_publish_data(char **words, int count)
 static void command_publish_text(char **words, int count)
 {
     FORMATTER_PTR formatter = IPC_msgFormatter(words[1]);
-    FILE *stream = fmemopen(words[2], strlen(words[2]), "r");
+    FILE *stream = tmpfile(); /* there is no fmemopen on Windows */
     void *data = NULL;
+    fputs(words[2], stream);
+    rewind(stream);
     IPC_RETURN_TYPE result = IPC_readData(formatter, stream, &data);
     (void)count;
 
@@ -1029,6 +1039,10 @@ static void command_serve(char **words, int count)
 
 int main(void)
 {
+#if defined(_WIN32)
+    _setmode(0, _O_BINARY); /* lines end as they do elsewhere */
+    _setmode(1, _O_BINARY);
+#endif
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ); /* what a library says in a call is seen at once */
     IPC_initialize();
     while (execute_input()) {

@@ -8,17 +8,11 @@
 #include <stdio.h>
 
 #include "base/buffer.h"
-
-#if defined(__GNUC__)
-#define TEXT_LIKE_PRINTF(text, first) __attribute__((format(printf, text, first)))
-#else
-#define TEXT_LIKE_PRINTF(text, first)
-#endif
+#include "base/printf.h"
 
 /* Appends formatted text; when memory is out, or the format fails, nothing is appended. */
-void text_append(struct buffer *out, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
-void text_append_list(struct buffer *out, const char *format, va_list arguments)
-    TEXT_LIKE_PRINTF(2, 0);
+void text_append(struct buffer *out, const char *format, ...) LIKE_PRINTF(2, 3);
+void text_append_list(struct buffer *out, const char *format, va_list arguments) LIKE_PRINTF(2, 0);
 
 /* Writes a buffer to a stream, and out of it. */
 void text_print(FILE *stream, const struct buffer *text);

@@ -97,7 +97,7 @@ static int open_local(struct listeners *listeners)
     if (error != 0 && !listeners->server->options->silent) {
         const int saved = errno;
         (void)fprintf(stderr, "Warning: no socket %s (%s)%s\n", path,
-                      error == ERR_IO ? strerror(errno) : error_text(error),
+                      error == ERR_IO ? system_reason() : error_text(error),
                       listeners->tcp >= 0 ? ", modules use TCP" : "");
         errno = saved;
     }
@@ -116,7 +116,9 @@ static int open_both(struct listeners *listeners)
         listeners->tcp = -1;
         return error;
     }
-    (void)open_local(listeners); /* modules then use TCP */
+    if (net_has_local()) {
+        (void)open_local(listeners); /* modules then use TCP */
+    }
     return 0;
 }
 

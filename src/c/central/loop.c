@@ -63,7 +63,7 @@ void loop_fini(struct loop *loop)
 static void stop_reading_input(struct loop *loop)
 {
     if (loop->reads_input && !loop->input_is_unwatched) {
-        poller_remove(loop->poller, STREAM_INPUT);
+        poller_remove(loop->poller, stream_watched(STREAM_INPUT));
     }
     loop->reads_input = false;
     resend_set_asking(loop->server, false);
@@ -77,7 +77,7 @@ static void start_reading_input(struct loop *loop)
         resend_set_asking(loop->server,
                           loop->console.may_ask && loop->server->options->read_commands);
         loop->input_is_unwatched =
-            poller_add(loop->poller, STREAM_INPUT, READY_READ, &loop->console) != 0;
+            poller_add(loop->poller, stream_watched(STREAM_INPUT), READY_READ, &loop->console) != 0;
     }
 }
 
@@ -185,10 +185,10 @@ static void flush_logs(struct loop *loop)
     log_flush(log);
     const bool waits = sink_waiting(&log->terminal) > 0;
     if (waits && !loop->watches_output) {
-        loop->watches_output =
-            poller_add(loop->poller, STREAM_OUTPUT, READY_WRITE, &loop->watches_output) == 0;
+        loop->watches_output = poller_add(loop->poller, stream_watched(STREAM_OUTPUT), READY_WRITE,
+                                          &loop->watches_output) == 0;
     } else if (!waits && loop->watches_output) {
-        poller_remove(loop->poller, STREAM_OUTPUT);
+        poller_remove(loop->poller, stream_watched(STREAM_OUTPUT));
         loop->watches_output = false;
     }
 }

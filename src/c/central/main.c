@@ -28,7 +28,6 @@
  *
  * struct server holds all state; only what stands above the console touches the system.
  */
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -70,7 +69,7 @@ static int open_logs(struct log *log, struct console *console)
 static int start(struct server *server, struct loop *loop)
 {
     if (loop_init(loop, server) != 0) {
-        (void)fprintf(stderr, "ERROR: %s\n", strerror(errno));
+        (void)fprintf(stderr, "ERROR: %s\n", system_reason());
         return ERR_IO;
     }
     if (open_logs(&server->log, &loop->console) != 0) {

@@ -3,7 +3,6 @@
  */
 #include "central/opening.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -12,7 +11,7 @@
 
 static const char *reason_of(int error)
 {
-    return error == ERR_IO ? strerror(errno) : error_text(error);
+    return error == ERR_IO ? system_reason() : error_text(error);
 }
 
 static int complain(struct loop *loop, const char *text)
@@ -92,7 +91,7 @@ static int write_files(struct loop *loop)
     const char *path;
     const int error = presence_begin(&loop->presence, loop->server->options, &path);
     if (error != 0) {
-        (void)fprintf(stderr, "ERROR: Can not write file %s (%s)\n", path, strerror(errno));
+        (void)fprintf(stderr, "ERROR: Can not write file %s (%s)\n", path, system_reason());
     }
     return error;
 }

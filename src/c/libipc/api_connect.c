@@ -91,9 +91,7 @@ struct connections {
 static void add_fd(void *connections_pointer, int fd)
 {
     struct connections *connections = connections_pointer;
-    if (fd >= 0 && fd < FD_SETSIZE) {
-        FD_SET((unsigned)fd, &connections->set); /* a macro that shifts by it, to some systems */
-    }
+    ready_set_add(&connections->set, fd);
     if (fd > connections->library->max_fd) {
         connections->library->max_fd = fd;
     }

@@ -9,6 +9,7 @@
 
 #include <stdarg.h>
 
+#include "base/printf.h"
 #include "ipc/ipc.h"
 
 /* The API's own globals (IPC_errno is declared in ipc.h).  The library shows them to programs that
@@ -22,23 +23,17 @@ extern const char *ipcErrorStrings[NUM_ERRORS]; /* texts of IPC_errno */
 #pragma GCC visibility pop
 #endif
 
-#if defined(__GNUC__)
-#define REPORT_PRINTF(text, first) __attribute__((format(printf, text, first)))
-#else
-#define REPORT_PRINTF(text, first)
-#endif
-
 /* IPC_ERROR_TYPE of a code of the layers below. */
 IPC_ERROR_TYPE report_code(int error);
 
 /* Prints on standard error at IPC_Print_Warnings and up.  May be called with the lock held. */
-void report_warning(const char *text, ...) REPORT_PRINTF(1, 2);
+void report_warning(const char *text, ...) LIKE_PRINTF(1, 2);
 
 /* Prints on standard output at IPC_Print_Warnings and up. */
-void report_banner(const char *text, ...) REPORT_PRINTF(1, 2);
+void report_banner(const char *text, ...) LIKE_PRINTF(1, 2);
 
 /* Prints on standard error at IPC_Print_Errors and up.  May be called with the lock held. */
-void report_note(const char *text, ...) REPORT_PRINTF(1, 2);
-void report_note_values(const char *text, va_list values) REPORT_PRINTF(1, 0);
+void report_note(const char *text, ...) LIKE_PRINTF(1, 2);
+void report_note_values(const char *text, va_list values) LIKE_PRINTF(1, 0);
 
 #endif

@@ -15,7 +15,7 @@
 IPC_RETURN_TYPE report(IPC_ERROR_TYPE error);
 
 /* An error with a text of its own at IPC_Print_Errors; ends the process at IPC_Exit_On_Errors. */
-void report_internal_error(const char *text, ...) REPORT_PRINTF(1, 2);
+void report_internal_error(const char *text, ...) LIKE_PRINTF(1, 2);
 
 /* The connection to central is lost: prints, and ends the process or calls the exit procedure,
  * whatever the verbosity. */

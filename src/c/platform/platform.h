@@ -12,6 +12,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* What the system says of the failure behind an ERR_IO that has just been returned. */
+const char *system_reason(void);
+
 /* ----------------------------------------------------------------- sockets */
 
 #define NET_SOCKET_DIRECTORY "/tmp/x_ipc"
@@ -24,6 +27,9 @@ int net_listen_tcp(const char *address, int *port, int *fd);
 /* Takes over a socket that listens already: whether it is a Unix socket, and its port, or the number
  * that its path ends in (0: none).  0, or ERR_IO (it is no such socket). */
 int net_adopt(int fd, bool *local, int *port);
+
+/* Whether the system has Unix sockets; without them, those that follow fail. */
+bool net_has_local(void);
 
 #define NET_PATH_SIZE 108 /* bytes of the longest socket path, with its NUL */
 
@@ -93,6 +99,9 @@ void net_host_name(char *name, size_t size);
 void net_peer_address(int fd, char *name, size_t size);
 void net_own_address(int fd, char *name, size_t size);
 
+/* The name of a numeric address, if it leads back to that address, else "".  Waits for the network. */
+void net_find_name(const char *number, char name[NET_NAME_SIZE]);
+
 /* Lets the process have as many descriptors as the system allows, and returns that number. */
 long net_raise_descriptor_limit(void);
 
@@ -148,6 +157,9 @@ void waker_close(struct waker *waker);
 void waker_wake(const struct waker *waker);
 void waker_clear(const struct waker *waker);
 
+/* Adds a descriptor to the system's fd_set, unless that cannot hold it. */
+void ready_set_add(void *fd_set, int fd);
+
 /* ------------------------------------------------------------------- clock */
 
 /* Monotonic, from an arbitrary start. */
@@ -177,6 +189,9 @@ void condition_tell_all(struct condition *condition);
 
 /* A number that is this thread's alone while it lives, never 0. */
 uintptr_t thread_number(void);
+
+/* Runs a function in a thread of its own, which gets no signals and for which nobody waits: 0, ERR_IO. */
+int thread_start(void (*run)(void *argument), void *argument);
 
 /* Runs initialise in the first call in this process; others wait until it is done. */
 void thread_once(void (*initialise)(void));

@@ -33,6 +33,13 @@ ptrdiff_t stream_read(int fd, void *bytes, size_t room);
  * ERR_CLOSED, ERR_IO. */
 ptrdiff_t stream_write(int fd, const void *bytes, size_t count);
 
+/* Writes everything, waiting as long as it takes: whether it was written. */
+bool stream_write_all(int fd, const void *bytes, size_t count);
+
+/* The descriptor by which a poller sees that a stream can be read or written: the stream itself, or
+ * what the system has in its place; -1: none. */
+int stream_watched(int fd);
+
 bool stream_is_terminal(int fd);
 
 /* A file whose content was written at once, and which file it is, so that no other is removed. */

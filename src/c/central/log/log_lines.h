@@ -10,29 +10,29 @@
 #include "central/log/log_output.h"
 
 /* To both logs, whatever the switches. */
-void log_always(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+void log_always(struct log *log, const char *format, ...) LIKE_PRINTF(2, 3);
 
 /* Status class. */
-void log_status(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+void log_status(struct log *log, const char *format, ...) LIKE_PRINTF(2, 3);
 
 /* Status class: a message is defined anew.  Logs that ignore leave it out. */
 void log_redefined(struct log *log, const struct message *message);
 
 /* Message class, but about no dispatch. */
-void log_notice(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+void log_notice(struct log *log, const char *format, ...) LIKE_PRINTF(2, 3);
 
 /* Status class: something that a module did is ignored, or ends its connection. */
 void log_warning(struct log *log, const struct module *module, const char *format, ...)
-    TEXT_LIKE_PRINTF(3, 4);
+    LIKE_PRINTF(3, 4);
 
 /* Terminal only, not when silent: banner, prompt, answers to commands. */
-void log_terminal(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+void log_terminal(struct log *log, const char *format, ...) LIKE_PRINTF(2, 3);
 
 /* File only. */
-void log_file(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+void log_file(struct log *log, const char *format, ...) LIKE_PRINTF(2, 3);
 
 /* To both logs: a question.  On the terminal its answer stands in the same line. */
-void log_question(struct log *log, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+void log_question(struct log *log, const char *format, ...) LIKE_PRINTF(2, 3);
 
 /* Handled-time summary of one message. */
 struct log_summary {

@@ -41,7 +41,7 @@ void request_answer(struct request *request, const void *value);
 struct dispatch *request_keep(struct request *request);
 
 /* Logs why the request is ignored. */
-void request_ignore(const struct request *request, const char *format, ...) TEXT_LIKE_PRINTF(2, 3);
+void request_ignore(const struct request *request, const char *format, ...) LIKE_PRINTF(2, 3);
 
 /* Whether a name is there and not too long; if not, the request is ignored and the log says so. */
 bool request_names(const struct request *request, const char *name);

@@ -2,20 +2,15 @@
  * Sockets on POSIX systems.
  */
 #define _XOPEN_SOURCE 700
-#include "platform/platform.h"
+#include "platform/sockets.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <netdb.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <arpa/inet.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
 #include <sys/un.h>
@@ -27,7 +22,12 @@
 #define MSG_NOSIGNAL 0 /* systems without it have SO_NOSIGPIPE */
 #endif
 
-enum { BACKLOG = 4096, LOCAL_BUFFER = 1 << 20, MAX_SLICES = 64 };
+enum { LOCAL_BUFFER = 1 << 20, MAX_SLICES = 64 };
+
+const char *system_reason(void)
+{
+    return strerror(errno);
+}
 
 static int ready_socket(int fd)
 {
@@ -43,7 +43,7 @@ static int ready_socket(int fd)
     return 0;
 }
 
-static int new_socket(int family, int *fd)
+int socket_new(int family, int *fd)
 {
     *fd = socket(family, SOCK_STREAM, 0);
     if (*fd < 0) {
@@ -56,8 +56,14 @@ static int new_socket(int family, int *fd)
     return 0;
 }
 
-/* Options of a connected TCP socket; each is a wish, so a refusal is of no matter. */
-static void tune_tcp(int fd)
+bool socket_may_rebind(int fd)
+{
+    const int on = 1;
+    return setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0;
+}
+
+/* Each is a wish, so a refusal is of no matter. */
+void socket_tune_tcp(int fd)
 {
     const int on = 1;
     (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
@@ -72,7 +78,7 @@ static void tune_local(int fd)
     (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &size, sizeof size);
 }
 
-static int close_with(int fd, int error)
+int socket_close_with(int fd, int error)
 {
     const int saved = errno;
     close(fd);
@@ -82,83 +88,9 @@ static int close_with(int fd, int error)
 
 /* --------------------------------------------------------------- listening */
 
-static int listen_at(const struct addrinfo *place, int *fd)
+bool net_has_local(void)
 {
-    const int error = new_socket(place->ai_family, fd);
-    if (error != 0) {
-        return error;
-    }
-    const int on = 1;
-    (void)setsockopt(*fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    if (bind(*fd, place->ai_addr, place->ai_addrlen) < 0 || listen(*fd, BACKLOG) < 0) {
-        return close_with(*fd, ERR_IO);
-    }
-    return 0;
-}
-
-static int port_of(const struct sockaddr_storage *name)
-{
-    switch (name->ss_family) {
-    case AF_INET:
-        return ntohs(((const struct sockaddr_in *)(const void *)name)->sin_port);
-    case AF_INET6:
-        return ntohs(((const struct sockaddr_in6 *)(const void *)name)->sin6_port);
-    default:
-        return 0;
-    }
-}
-
-/* As getaddrinfo. "localhost" is this machine also where nobody knows the name, as in a system that
- * has just been set up and has no /etc/hosts. */
-static int look_up(const char *host, const char *service, const struct addrinfo *hints,
-                   struct addrinfo **found)
-{
-    const int error = getaddrinfo(host, service, hints, found);
-    return error != 0 && host != NULL && strcmp(host, "localhost") == 0
-               ? getaddrinfo("127.0.0.1", service, hints, found)
-               : error;
-}
-
-static int listen_at_first(const struct addrinfo *places, int *port, int *fd)
-{
-    struct sockaddr_storage name;
-    socklen_t length = sizeof name;
-    int error = ERR_UNKNOWN;
-    for (const struct addrinfo *place = places; place != NULL && error != 0;
-         place = place->ai_next) {
-        error = listen_at(place, fd);
-    }
-    if (error != 0) {
-        return error;
-    }
-    if (getsockname(*fd, (struct sockaddr *)&name, &length) < 0) {
-        return close_with(*fd, ERR_IO);
-    }
-    *port = port_of(&name);
-    return 0;
-}
-
-int net_listen_tcp(const char *address, int *port, int *fd)
-{
-    struct addrinfo hints;
-    struct addrinfo *places;
-    char service[16];
-    memset(&hints, 0, sizeof hints);
-    hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
-    hints.ai_family = AF_INET; /* modules of CMU IPC have no other, so names mean that first */
-    hints.ai_socktype = SOCK_STREAM;
-    snprintf(service, sizeof service, "%d", *port);
-    if (look_up(address, service, &hints, &places) != 0) {
-        hints.ai_family = AF_INET6;
-        if (look_up(address, service, &hints, &places) != 0) {
-            return ERR_UNKNOWN;
-        }
-    }
-    const int error = listen_at_first(places, port, fd);
-    const int saved = errno;
-    freeaddrinfo(places);
-    errno = saved;
-    return error;
+    return true;
 }
 
 static bool listens(int fd)
@@ -191,11 +123,11 @@ int net_adopt(int fd, bool *local, int *port)
     memset(&name, 0, sizeof name); /* so that a path has its end */
     /* Who connects is told which process has called listen last; that is the one that accepts. */
     if (!listens(fd) || getsockname(fd, (struct sockaddr *)&name, &length) < 0 ||
-        ready_socket(fd) != 0 || listen(fd, BACKLOG) < 0) {
+        ready_socket(fd) != 0 || listen(fd, SOCKET_BACKLOG) < 0) {
         return ERR_IO;
     }
     *local = name.any.ss_family == AF_UNIX;
-    *port = *local ? number_of_path(name.local.sun_path) : port_of(&name.any);
+    *port = *local ? number_of_path(name.local.sun_path) : socket_port_of(&name.any);
     return 0;
 }
 
@@ -250,7 +182,7 @@ int net_listen_local(const char *path, unsigned mode, struct net_local *listener
         error = remove_abandoned(path);
     }
     if (error == 0) {
-        error = new_socket(AF_UNIX, &listener->fd);
+        error = socket_new(AF_UNIX, &listener->fd);
     }
     if (error != 0) {
         listener->fd = -1;
@@ -258,9 +190,9 @@ int net_listen_local(const char *path, unsigned mode, struct net_local *listener
     }
     tune_local(listener->fd);
     if (bind(listener->fd, (struct sockaddr *)&name, sizeof name) < 0 ||
-        listen(listener->fd, BACKLOG) < 0 || chmod(path, (mode_t)mode) < 0 ||
+        listen(listener->fd, SOCKET_BACKLOG) < 0 || chmod(path, (mode_t)mode) < 0 ||
         lstat(path, &status) < 0) {
-        error = close_with(listener->fd, ERR_IO);
+        error = socket_close_with(listener->fd, ERR_IO);
         listener->fd = -1;
         return error;
     }
@@ -309,10 +241,10 @@ int net_accept(int listener, int *fd)
         }
     }
     if (ready_socket(*fd) != 0) {
-        return close_with(*fd, ERR_IO);
+        return socket_close_with(*fd, ERR_IO);
     }
     if (name.ss_family == AF_INET || name.ss_family == AF_INET6) {
-        tune_tcp(*fd);
+        socket_tune_tcp(*fd);
     } else {
         tune_local(*fd);
     }
@@ -341,6 +273,11 @@ int net_refuse(int listener, int *spare)
 
 /* -------------------------------------------------------------- connecting */
 
+bool socket_is_connecting(void)
+{
+    return errno == EINPROGRESS || errno == EINTR;
+}
+
 /* Whether a connection that is no longer under way has come about. */
 static int result_of_connecting(int fd)
 {
@@ -353,7 +290,7 @@ static int result_of_connecting(int fd)
     return reason == 0 ? 0 : ERR_REFUSED;
 }
 
-static int await_connection(int fd, uint64_t deadline_ns, int (*give_up)(void))
+int socket_await_connection(int fd, uint64_t deadline_ns, int (*give_up)(void))
 {
     for (;;) {
         const uint64_t now = clock_ns();
@@ -376,97 +313,14 @@ static int await_connection(int fd, uint64_t deadline_ns, int (*give_up)(void))
     return result_of_connecting(fd);
 }
 
-static int connect_to(const struct addrinfo *target, uint64_t deadline_ns, int (*give_up)(void),
-                      int *fd)
-{
-    int error = new_socket(target->ai_family, fd);
-    if (error != 0) {
-        return error;
-    }
-    tune_tcp(*fd);
-    if (connect(*fd, target->ai_addr, target->ai_addrlen) == 0) {
-        return 0;
-    }
-    error = errno == EINPROGRESS || errno == EINTR ? await_connection(*fd, deadline_ns, give_up)
-                                                   : ERR_REFUSED;
-    return error == 0 ? 0 : close_with(*fd, error);
-}
-
-int net_connect_tcp(const char *host, int port, int timeout_ms, int (*give_up)(void), int *fd)
-{
-    const uint64_t deadline = clock_ns() + (uint64_t)timeout_ms * 1000000u;
-    struct addrinfo hints;
-    struct addrinfo *targets;
-    char service[16];
-    if (port <= 0 || port > 65535) {
-        return ERR_REFUSED;
-    }
-    memset(&hints, 0, sizeof hints);
-    hints.ai_family = AF_UNSPEC;
-    hints.ai_socktype = SOCK_STREAM;
-    snprintf(service, sizeof service, "%d", port);
-    if (look_up(host, service, &hints, &targets) != 0) {
-        return ERR_UNKNOWN;
-    }
-    int error = ERR_UNKNOWN;
-    for (const struct addrinfo *target = targets; target != NULL; target = target->ai_next) {
-        error = connect_to(target, deadline, give_up, fd);
-        if (error == 0) {
-            break;
-        }
-    }
-    freeaddrinfo(targets);
-    return error;
-}
-
-/* The two ends are one: the port was free, and the kernel gave it to this very socket. */
-static bool is_connected_to_itself(int fd)
-{
-    struct sockaddr_storage own;
-    struct sockaddr_storage other;
-    socklen_t own_length = sizeof own;
-    socklen_t other_length = sizeof other;
-    memset(&own, 0, sizeof own);
-    memset(&other, 0, sizeof other);
-    return getsockname(fd, (struct sockaddr *)&own, &own_length) == 0 &&
-           getpeername(fd, (struct sockaddr *)&other, &other_length) == 0 &&
-           own_length == other_length && memcmp(&own, &other, own_length) == 0;
-}
-
-int net_start_tcp(const char *address, int port, int *fd)
-{
-    struct addrinfo hints;
-    struct addrinfo *target;
-    char service[16];
-    memset(&hints, 0, sizeof hints);
-    hints.ai_family = AF_UNSPEC;
-    hints.ai_socktype = SOCK_STREAM;
-    hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV; /* then nobody is asked */
-    snprintf(service, sizeof service, "%d", port);
-    if (getaddrinfo(address, service, &hints, &target) != 0) {
-        return ERR_UNKNOWN;
-    }
-    int error = new_socket(target->ai_family, fd);
-    if (error == 0) {
-        tune_tcp(*fd);
-        if (connect(*fd, target->ai_addr, target->ai_addrlen) != 0 && errno != EINPROGRESS &&
-            errno != EINTR) {
-            error = close_with(*fd, ERR_REFUSED);
-        }
-    }
-    freeaddrinfo(target);
-    return error;
-}
-
-int net_look_at_start(int fd)
+int socket_look_at_connection(int fd)
 {
     struct pollfd item = {fd, POLLOUT, 0};
     const int n = poll(&item, 1, 0);
     if (n == 0 || (n < 0 && errno == EINTR)) {
         return 1;
     }
-    const int error = n < 0 ? ERR_IO : result_of_connecting(fd);
-    return error == 0 && is_connected_to_itself(fd) ? ERR_REFUSED : error;
+    return n < 0 ? ERR_IO : result_of_connecting(fd);
 }
 
 int net_connect_local(const char *path, int *fd)
@@ -476,13 +330,13 @@ int net_connect_local(const char *path, int *fd)
     if (error != 0) {
         return error;
     }
-    error = new_socket(AF_UNIX, fd);
+    error = socket_new(AF_UNIX, fd);
     if (error != 0) {
         return error;
     }
     tune_local(*fd);
     if (connect(*fd, (struct sockaddr *)&name, sizeof name) < 0) {
-        return close_with(*fd, ERR_REFUSED);
+        return socket_close_with(*fd, ERR_REFUSED);
     }
     return 0;
 }
@@ -565,46 +419,6 @@ void net_host_name(char *name, size_t size)
     }
     whole[sizeof whole - 1] = '\0';
     snprintf(name, size, "%s", whole);
-}
-
-/* The text of an address, "" for those that are not of the Internet.  An IPv4 address in IPv6's
- * clothing is shown as what it is, and a link's address without its link. */
-static void write_address(const struct sockaddr_storage *address, socklen_t length, char *name,
-                          size_t size)
-{
-    static const char mapped[] = "::ffff:";
-    name[0] = '\0';
-    if (address->ss_family != AF_INET && address->ss_family != AF_INET6) {
-        return;
-    }
-    if (getnameinfo((const struct sockaddr *)address, length, name, (socklen_t)size, NULL, 0,
-                    NI_NUMERICHOST) != 0) {
-        name[0] = '\0';
-    }
-    name[strcspn(name, "%")] = '\0';
-    if (strncmp(name, mapped, sizeof mapped - 1) == 0 && strchr(name, '.') != NULL) {
-        memmove(name, name + sizeof mapped - 1, strlen(name) - (sizeof mapped - 1) + 1);
-    }
-}
-
-void net_peer_address(int fd, char *name, size_t size)
-{
-    struct sockaddr_storage address;
-    socklen_t length = sizeof address;
-    name[0] = '\0';
-    if (getpeername(fd, (struct sockaddr *)&address, &length) == 0) {
-        write_address(&address, length, name, size);
-    }
-}
-
-void net_own_address(int fd, char *name, size_t size)
-{
-    struct sockaddr_storage address;
-    socklen_t length = sizeof address;
-    name[0] = '\0';
-    if (getsockname(fd, (struct sockaddr *)&address, &length) == 0) {
-        write_address(&address, length, name, size);
-    }
 }
 
 long net_raise_descriptor_limit(void)

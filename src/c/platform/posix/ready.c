@@ -9,6 +9,7 @@
 #include <limits.h>
 #include <poll.h>
 #include <stdlib.h>
+#include <sys/select.h>
 #include <unistd.h>
 
 #include "base/error.h"
@@ -89,6 +90,13 @@ int ready_wait(struct ready_item *items, size_t n_items, int64_t timeout_ms)
 int ready_wait_or_signal(struct ready_item *items, size_t n_items, int64_t timeout_ms)
 {
     return wait_for(items, n_items, timeout_ms, true);
+}
+
+void ready_set_add(void *set, int fd)
+{
+    if (fd >= 0 && fd < FD_SETSIZE) {
+        FD_SET((unsigned)fd, (fd_set *)set); /* a macro that shifts by it, to some systems */
+    }
 }
 
 static int prepare(int fd)

@@ -5,9 +5,11 @@
 #include "platform/platform.h"
 
 #include <pthread.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <time.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 
 struct mutex {
@@ -90,6 +92,41 @@ void condition_tell_all(struct condition *condition)
 uintptr_t thread_number(void)
 {
     return (uintptr_t)pthread_self();
+}
+
+/* What a new thread runs; it frees this. */
+struct start {
+    void (*run)(void *argument);
+    void *argument;
+};
+
+static void *begin(void *start_pointer)
+{
+    const struct start start = *(const struct start *)start_pointer;
+    free(start_pointer);
+    start.run(start.argument);
+    return NULL;
+}
+
+int thread_start(void (*run)(void *argument), void *argument)
+{
+    sigset_t all, before;
+    pthread_t thread;
+    pthread_attr_t attributes;
+    struct start *start = mem_new(sizeof *start);
+    start->run = run;
+    start->argument = argument;
+    sigfillset(&all);
+    pthread_attr_init(&attributes);
+    pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
+    pthread_sigmask(SIG_SETMASK, &all, &before); /* the new thread inherits it */
+    const int error = pthread_create(&thread, &attributes, begin, start);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_attr_destroy(&attributes);
+    if (error != 0) {
+        free(start);
+    }
+    return error == 0 ? 0 : ERR_IO;
 }
 
 void thread_once(void (*initialise)(void))

@@ -123,6 +123,29 @@ ptrdiff_t stream_write(int fd, const void *bytes, size_t count)
     return (ptrdiff_t)written;
 }
 
+bool stream_write_all(int fd, const void *bytes, size_t count)
+{
+    const char *at = bytes;
+    while (count > 0) {
+        const ssize_t n = write(fd, at, count);
+        if (n > 0) {
+            at += n;
+            count -= (size_t)n;
+        } else if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
+            struct pollfd item = {fd, POLLOUT, 0};
+            (void)poll(&item, 1, -1); /* a failure shows at the next try */
+        } else if (n < 0 && errno != EINTR) {
+            return false;
+        }
+    }
+    return true;
+}
+
+int stream_watched(int fd)
+{
+    return fd;
+}
+
 bool stream_is_terminal(int fd)
 {
     return isatty(fd) == 1;

@@ -1,15 +1,9 @@
 /*
- * Files that are written in threads of their own, on POSIX systems.
+ * Files that are written in threads of their own, on any system.
  */
-#define _XOPEN_SOURCE 700
 #include "platform/process.h"
 
-#include <errno.h>
-#include <poll.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -29,7 +23,7 @@ struct stream_writer {
 static void close_descriptor(struct stream_writer *writer)
 {
     if (writer->fd >= 0) {
-        close(writer->fd);
+        stream_close(writer->fd);
         writer->fd = -1;
     }
 }
@@ -42,24 +36,6 @@ static void writer_free(struct stream_writer *writer)
     free(writer);
 }
 
-/* Waits as long as it takes. */
-static bool write_all(int fd, const uint8_t *bytes, size_t count)
-{
-    while (count > 0) {
-        const ssize_t n = write(fd, bytes, count);
-        if (n > 0) {
-            bytes += n;
-            count -= (size_t)n;
-        } else if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
-            struct pollfd item = {fd, POLLOUT, 0};
-            (void)poll(&item, 1, -1); /* a failure shows at the next try */
-        } else if (n < 0 && errno != EINTR) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* Writes what was given; called with the lock, which is released meanwhile. */
 static void write_given(struct stream_writer *writer)
 {
@@ -67,7 +43,7 @@ static void write_given(struct stream_writer *writer)
     const size_t count = writer->count;
     const bool failed = writer->failed;
     mutex_unlock(writer->mutex);
-    const bool written = !failed && write_all(writer->fd, bytes, count);
+    const bool written = !failed && stream_write_all(writer->fd, bytes, count);
     free(bytes);
     mutex_lock(writer->mutex);
     writer->bytes = NULL;
@@ -79,7 +55,7 @@ static void write_given(struct stream_writer *writer)
     condition_tell_all(writer->changed);
 }
 
-static void *run(void *argument)
+static void run(void *argument)
 {
     struct stream_writer *writer = argument;
     mutex_lock(writer->mutex);
@@ -94,19 +70,6 @@ static void *run(void *argument)
     }
     mutex_unlock(writer->mutex);
     writer_free(writer);
-    return NULL;
-}
-
-/* Signals are for the thread that waits for them. */
-static int start_thread(struct stream_writer *writer)
-{
-    pthread_t thread;
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&thread, NULL, run, writer);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return error == 0 ? pthread_detach(thread) : error;
 }
 
 struct stream_writer *stream_writer_open(int fd, const struct waker *told)
@@ -116,7 +79,7 @@ struct stream_writer *stream_writer_open(int fd, const struct waker *told)
     writer->told = told;
     writer->mutex = mutex_new();
     writer->changed = condition_new();
-    if (start_thread(writer) != 0) {
+    if (thread_start(run, writer) != 0) {
         writer->fd = -1; /* stays the caller's */
         writer_free(writer);
         return NULL;
