@@ -20,11 +20,12 @@ from types import TracebackType
 from typing import Any, AsyncIterator, Callable, Dict, List, Optional, Set, Tuple, Type
 
 from ._ffi import lib
+from .arguments import Text
 from .connection import Connection, Message, OnError, Subscription, Timer
 from .constants import IPC_Not_Connected, IPC_VARIABLE_LENGTH
 from .contexts import has_ended
 from .errors import IPCTimeout, NotConnected, last_error
-from .library import Text, waits
+from .library import waits
 
 Handler = Callable[[Message[Any]], Any]
 

@@ -15,6 +15,7 @@ from typing import (Any, Callable, Deque, Generic, Iterable, Iterator, List, Opt
                     TypeVar, Union, cast, overload)
 
 from ._ffi import ffi, lib
+from .arguments import Text
 from .constants import (IPC_Error, IPC_OK, IPC_RETURN_TYPE, IPC_Timeout, IPC_VARIABLE_LENGTH,
                         IPC_WAIT_FOREVER, TRIGGER_FOREVER)
 from .contexts import (IPC_CONTEXT_PTR, IPC_connectModule, IPC_connectModuleNoListen,
@@ -24,7 +25,7 @@ from .format import Format
 from .formatters import IPC_defineFormat
 from .handlers import MSG_INSTANCE
 from .hints import format_of
-from .library import Text, waits
+from .library import waits
 from .listening import (IPC_addTimerGetRef, IPC_removeTimerByRef, IPC_subscribeFD,
                         IPC_unsubscribeFD, TIMER_REF)
 from .messages import (IPC_defineMsg, IPC_dataLength, IPC_msgInstanceName, Refused, encoded_for,

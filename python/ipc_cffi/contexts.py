@@ -6,10 +6,11 @@ import os
 from typing import Any, Dict, Optional, Set
 
 from ._ffi import ffi, lib
+from .arguments import Text, text_argument
 from .constants import IPC_Argument_Out_Of_Range, IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE
 from .errors import fail, raise_error
 from .handlers import address, forget_context
-from .library import Text, begin, end, listen, text_argument, waits
+from .library import begin, end, handler_failed, listen, lost, waits
 
 
 class IPC_CONTEXT_PTR:
@@ -38,6 +39,13 @@ def forget(context: Any) -> None:
     """A connection has ended, and will not come back."""
     _connected.pop(address(context), None)
     forget_context(context)
+
+
+@ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]
+def py_loss() -> None:
+    # The library has lost the connection of its current context.
+    forget(lib.IPC_getContext())
+    lost()
 
 
 def has_ended(context: IPC_CONTEXT_PTR) -> bool:

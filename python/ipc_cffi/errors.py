@@ -9,6 +9,7 @@ import sys
 from typing import Any, Optional, Union
 
 from ._ffi import ffi, lib
+from .arguments import text_argument
 from .constants import (IPC_ERROR_TYPE, IPC_Argument_Out_Of_Range, IPC_Error, IPC_Exit_On_Errors,
                         IPC_OK, IPC_Print_Errors, IPC_Print_Warnings, IPC_RETURN_TYPE,
                         IPC_VERBOSITY_TYPE)
@@ -156,6 +157,5 @@ def IPC_setVerbosity(verbosity: int) -> IPC_RETURN_TYPE:
 
 def IPC_perror(msg: Union[str, bytes, None]) -> None:
     """Prints the text of IPC_errno on stderr, after msg."""
-    from .library import text_argument
     sys.stderr.flush()
     lib.IPC_perror(text_argument(msg))

@@ -7,11 +7,12 @@ from typing import Any, Dict, NoReturn, Optional, Tuple, Union
 
 from . import tree
 from ._ffi import ffi, lib
+from .arguments import Text, text_argument, to_text
 from .bytearrays import BYTE_ARRAY, IPC_VARCONTENT_TYPE, bytes_argument
 from .constants import (IPC_No_Error, IPC_Null_Argument, IPC_OK,
                         IPC_RETURN_TYPE, IPC_Wrong_Buffer_Length)
 from .errors import fail, raise_error
-from .library import Text, begin, listen, text_argument, to_text, waits
+from .library import begin, listen, waits
 from .values import BadBytes, Content, Converter, Style
 
 

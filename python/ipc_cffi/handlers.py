@@ -10,7 +10,8 @@ import threading
 from typing import Any, Callable, Dict, Generic, Iterator, List, Optional, TypeVar
 
 from ._ffi import ffi, lib
-from .library import LARGE, handler_failed, to_text
+from .arguments import to_text
+from .library import LARGE, handler_failed
 from .values import Content
 
 Handler = Callable[..., Any]

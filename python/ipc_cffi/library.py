@@ -1,4 +1,4 @@
-"""Calls into the C library: text, exceptions of handlers, Ctrl-C.
+"""Calls into the C library: exceptions of handlers, Ctrl-C, waits that end early.
 
 A call in which handlers may run is made through listen().  An exception of a handler is kept until
 the library returns and then goes on its way from there; the library is asked to return soon.
@@ -8,55 +8,12 @@ from __future__ import annotations
 import sys
 import threading
 from types import TracebackType
-from typing import Any, Callable, Optional, Tuple, Type, Union
+from typing import Any, Callable, Optional, Tuple, Type
 
 from ._ffi import ffi, lib
 from .constants import IPC_Not_Connected, IPC_RETURN_TYPE
 from .errors import IPCError, raise_error, result
 
-Text = Union[str, bytes]
-
-
-# ----------------------------------------------------------------------- text
-
-def to_bytes(text: Optional[Text], what: str = "a name") -> Optional[bytes]:
-    """A name or text as the library gets it."""
-    if text is None:
-        return None
-    if isinstance(text, str):
-        text = text.encode("utf-8", "surrogateescape")
-    elif not isinstance(text, bytes):
-        raise TypeError(f"{what} has to be str or bytes, not {type(text).__name__}")
-    if b"\0" in text:
-        raise ValueError(f"{what} contains a NUL character")
-    return text
-
-
-def text_argument(text: Optional[Text], what: str = "a name") -> Any:
-    """The same, with NULL for None."""
-    encoded = to_bytes(text, what)
-    return ffi.NULL if encoded is None else encoded
-
-
-def to_text(pointer: Any) -> str:
-    """A copy of a string of the library."""
-    return bytes(ffi.string(pointer)).decode("utf-8", "surrogateescape")
-
-
-def number_argument(number: Any, what: str) -> int:
-    """An unsigned int of the library; -1 is the largest, None is for ever, fractions round up."""
-    if number is None:
-        return 0xFFFFFFFF
-    if isinstance(number, float):
-        number = int(-(-number // 1))
-    if number == -1:
-        return 0xFFFFFFFF
-    if not 0 <= number <= 0xFFFFFFFF:
-        raise OverflowError(f"{what} has to be 0 to 4294967295, not {number}")
-    return int(number)
-
-
-# ------------------------------------------------------------------ listening
 
 class _Call:
     """A call that is under way in a thread, and what it has to hand on."""
@@ -153,11 +110,8 @@ def py_give_up() -> int:
     return int(call.failure is not None or call.lost or call.enough is not None and call.enough())
 
 
-@ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]
-def py_loss() -> None:
-    # The library has lost the connection of its current context.
-    from .contexts import forget
-    forget(lib.IPC_getContext())
+def lost() -> None:
+    """The connection of the current context is lost: the call that noticed it fails."""
     if _thread.call is not None:
         _thread.call.lost = True
 

@@ -5,11 +5,12 @@ import math
 from typing import Any, Callable, Dict, Optional, Tuple
 
 from ._ffi import ffi, lib
+from .arguments import number_argument
 from .constants import (IPC_Argument_Out_Of_Range, IPC_Error, IPC_Null_Argument, IPC_OK,
                         IPC_RETURN_TYPE, TRIGGER_FOREVER)
 from .errors import fail, result, warn
 from .handlers import Handler, Registration, Table, check_handler, handler_name
-from .library import begin, listen, number_argument
+from .library import begin, listen
 
 Timeout = Any  # milliseconds: int, float, or None for ever
 

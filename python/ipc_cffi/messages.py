@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Callable, Optional, Tuple
 
 from ._ffi import ffi, lib
+from .arguments import Text, number_argument, text_argument, to_text
 from .bytearrays import IPC_VARCONTENT_TYPE, bytes_argument
 from .constants import (IPC_Error, IPC_FIXED_LENGTH, IPC_Null_Argument, IPC_OK,
                         IPC_RETURN_TYPE, IPC_VARIABLE_LENGTH)
@@ -12,7 +13,7 @@ from .errors import fail, raise_error
 from .formatters import (FORMATTER_PTR, IPC_msgFormatter, ask_for_formatter, encode,
                          formatter_at)
 from .handlers import MSG_INSTANCE
-from .library import LARGE, Text, listen, number_argument, send, text_argument, to_text, waits
+from .library import LARGE, listen, send, waits
 
 
 def instance_argument(msgInstance: Any) -> Any:

@@ -4,12 +4,13 @@ from __future__ import annotations
 from typing import Any, Callable, Optional, Tuple, Type, TypeVar, overload
 
 from ._ffi import ffi, lib
+from .arguments import Text, number_argument, text_argument
 from .bytearrays import BYTE_ARRAY, IPC_VARCONTENT_TYPE
 from .constants import (IPC_Error, IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE,
                         IPC_Wrong_Buffer_Length)
 from .errors import fail
 from .handlers import MSG_INSTANCE, Handler, check_handler, current_context, taken
-from .library import Text, listen, number_argument, send, text_argument
+from .library import listen, send
 from .messages import Refused, content_arguments, encoded_for, instance_argument
 from .subscriptions import Arrival, byte_array, received
 from .values import BadBytes, Content

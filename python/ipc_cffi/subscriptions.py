@@ -4,13 +4,14 @@ from __future__ import annotations
 from typing import Any, Callable, Optional, Tuple, Type, TypeVar, overload
 
 from ._ffi import ffi, lib
+from .arguments import Text, text_argument, to_bytes, to_text
 from .bytearrays import BYTE_ARRAY
 from .constants import IPC_Error, IPC_Null_Argument, IPC_OK, IPC_RETURN_TYPE
 from .errors import fail, raise_error, warn
 from .formatters import decode, formatter_at
 from .handlers import (MSG_INSTANCE, Handler, Registration, Table, check_handler, current_context,
                        handler_name, run)
-from .library import Text, listen, text_argument, to_bytes, to_text, waits
+from .library import listen, waits
 from .values import BadBytes, Content
 
 

@@ -20,10 +20,11 @@ from typing import Any, AsyncIterator, Callable, List, Optional, Set, Tuple, Typ
 import trio
 
 from ._ffi import lib
+from .arguments import Text
 from .connection import Connection, Message, OnError, Subscription, Timer
 from .constants import IPC_Not_Connected, IPC_VARIABLE_LENGTH
 from .errors import IPCTimeout, last_error
-from .library import Text, waits
+from .library import waits
 
 Handler = Callable[[Message[Any]], Any]
 
