@@ -123,7 +123,8 @@ class Machine:
     def _build_driver(self):
         library = os.path.join(self.directory, "src/c/libipc")
         self._run(self.platform.compiler, "-g", "-o", self._path("module_driver"), SOURCE, *FLAGS,
-                  *INCLUDES, f"-L{library}", f"-Wl,-rpath,{library}", "-lipc", *self.platform.link, "-lpthread")
+                  *INCLUDES, f"-L{library}", f"-Wl,-rpath,{library}", "-lipc",
+                  *self.platform.link, "-lpthread")
 
     def _path(self, program):
         if self.platform.windows:  # all beside the DLL
