@@ -58,8 +58,10 @@ class Wine:
 
     def __init__(self):
         self.folder = tempfile.mkdtemp(prefix="wine-")
-        self.environment = {"WINEPREFIX": self.folder, "WINEDEBUG": "-all",
+        self.environment = {"WINEPREFIX": os.path.join(self.folder, "prefix"), "WINEDEBUG": "-all",
+                            "TMPDIR": self.folder,  # for the server's lock
                             "WINEDLLOVERRIDES": "mscoree=;mshtml="}  # installs nothing then
+        os.mkdir(self.environment["WINEPREFIX"])
         self._run("wineserver", "-p")  # stays, and so do the services that wineboot starts, so
         self._run("wineboot", "-i")    # that programs start fast and leave nothing behind
 
@@ -120,8 +122,9 @@ class Machine:
 
     def _build_driver(self):
         library = os.path.join(self.directory, "src/c/libipc")
-        self._run(self.platform.compiler, "-g", "-o", self._path("module_driver"), SOURCE, *FLAGS, *INCLUDES,
-                  f"-L{library}", f"-Wl,-rpath,{library}", "-lipc", *self.platform.link, "-lpthread")
+        self._run(self.platform.compiler, "-g", "-o", self._path("module_driver"), SOURCE, *FLAGS,
+                  *INCLUDES, f"-L{library}", f"-Wl,-rpath,{library}", "-lipc",
+                  *self.platform.link, "-lpthread")
 
     def _path(self, program):
         if self.platform.windows:  # all beside the DLL

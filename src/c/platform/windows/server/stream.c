@@ -143,8 +143,10 @@ static void start_input(void)
     input.mutex = mutex_new();
     input.taken = condition_new();
     input.waker.read_fd = input.waker.write_fd = -1;
-    if (waker_open(&input.waker) != 0 || thread_start(read_ahead, NULL) != 0) {
+    input.has_ended = waker_open(&input.waker) != 0;
+    if (!input.has_ended && thread_start(read_ahead, NULL) != 0) {
         input.has_ended = true;
+        waker_wake(&input.waker);
     }
 }
 
