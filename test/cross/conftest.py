@@ -9,7 +9,7 @@ import pytest
 from cross.platforms import Machine, Missing, PLATFORMS
 from support import driver as driver_module
 from support.driver import Driver
-from support.processes import Central
+from support.processes import Central, is_sanitized
 
 HERE = "x86-64"
 ORIGINAL = "CMU IPC"
@@ -38,6 +38,9 @@ def build_directory(pytestconfig):
 def machine(build_directory, request, central_program, library, compiler):
     """Gives the machine of a name, built when it is first asked for; skips the test where the
     machine cannot be had."""
+
+    if is_sanitized(central_program):
+        pytest.skip("the programs of other machines have no sanitizers: once is enough")
 
     @functools.lru_cache(None)
     def find(name):
