@@ -168,21 +168,31 @@ static void run_central(const struct central *central, const char *option)
     _exit(127);
 }
 
+static pid_t fork_central(const struct central *central, const char *option)
+{
+    const pid_t pid = fork();
+    if (pid == 0) {
+        run_central(central, option);
+    }
+    return pid;
+}
+
 struct central *central_start_on(int port, const char *option)
 {
     struct central *central = &state.centrals[state.n_centrals++];
     central->port = port;
     snprintf(central->address, sizeof central->address, "localhost:%d", port);
-    central->pid = fork();
-    if (central->pid == 0) {
-        run_central(central, option);
-    }
+    central->pid = fork_central(central, option);
     const long end = now_ms() + 2 * PATIENCE_MS;
     while (!is_ready(central)) {
         if (now_ms() > end) {
             give_up("central does not start");
         }
         sleep_ms(5);
+        /* Somebody may have been given the port for a moment, to connect from. */
+        if (waitpid(central->pid, NULL, WNOHANG) == central->pid) {
+            central->pid = fork_central(central, option);
+        }
     }
     return central;
 }
