@@ -69,6 +69,9 @@ int link_read(struct link *link, bool *more)
     const ptrdiff_t n = net_read(link->fd, space, room);
     if (n > 0) {
         reader_filled(&link->reader, (size_t)n);
+        if (link->reader.large_bytes != NULL) {
+            net_acknowledge(link->fd);
+        }
         if (more != NULL) {
             *more = (size_t)n == room;
         }

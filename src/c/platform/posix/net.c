@@ -343,6 +343,16 @@ int net_connect_local(const char *path, int *fd)
 
 /* -------------------------------------------------------- reading, writing */
 
+void net_acknowledge(int fd)
+{
+#if defined(TCP_QUICKACK)
+    const int on = 1;
+    (void)setsockopt(fd, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on); /* a Unix socket has none */
+#else
+    (void)fd;
+#endif
+}
+
 ptrdiff_t net_read(int fd, void *bytes, size_t room)
 {
     for (;;) {

@@ -239,6 +239,11 @@ static int failure_of_connection(void)
     }
 }
 
+void net_acknowledge(int fd)
+{
+    (void)fd; /* Windows has no such request */
+}
+
 ptrdiff_t net_read(int fd, void *bytes, size_t room)
 {
     const int n = recv(socket_of(fd), bytes, (int)(room < MAX_BYTES ? room : MAX_BYTES), 0);
