@@ -129,6 +129,7 @@ class BuildPrograms(Command):
                             os.path.join(folder, "scanner.l")], check=True)
         files = [os.path.relpath(path) for path in sorted(
             glob.glob(os.path.join(folder, "*.c")) +
+            glob.glob(os.path.join(folder, "platform/*.c")) +
             glob.glob(os.path.join(folder, "platform/posix/*.c")))]
         self.program("xdrgen", [*files, *sources("base", "platform", "platform/posix", "format"),
                                 parser, scanner], [folder, made],

@@ -92,6 +92,21 @@ int net_listen_tcp(const char *address, int *port, int *fd)
     return error;
 }
 
+int net_refuse(int listener, int *spare)
+{
+    if (*spare < 0) {
+        return ERR_LIMIT;
+    }
+    net_close_copy(*spare);
+    int fd;
+    const int result = net_accept(listener, &fd);
+    if (result == 0) {
+        net_close(fd);
+    }
+    *spare = net_open_spare();
+    return result;
+}
+
 /* -------------------------------------------------------------- connecting */
 
 static int begin_to_connect(int fd, const struct addrinfo *target)

@@ -256,21 +256,6 @@ int net_open_spare(void)
     return open("/dev/null", O_RDONLY | O_CLOEXEC);
 }
 
-int net_refuse(int listener, int *spare)
-{
-    if (*spare < 0) {
-        return ERR_LIMIT;
-    }
-    close(*spare);
-    int fd;
-    const int result = net_accept(listener, &fd);
-    if (result == 0) {
-        net_close(fd);
-    }
-    *spare = net_open_spare();
-    return result;
-}
-
 /* -------------------------------------------------------------- connecting */
 
 bool socket_is_connecting(void)

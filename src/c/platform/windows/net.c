@@ -155,21 +155,6 @@ int net_open_spare(void)
     return socket_descriptor(socket(AF_INET, SOCK_DGRAM, 0));
 }
 
-int net_refuse(int listener, int *spare)
-{
-    if (*spare < 0) {
-        return ERR_LIMIT;
-    }
-    net_close_copy(*spare);
-    int fd;
-    const int result = net_accept(listener, &fd);
-    if (result == 0) {
-        net_close(fd);
-    }
-    *spare = net_open_spare();
-    return result;
-}
-
 /* ---------------------------------------------------------------- connecting */
 
 bool socket_is_connecting(void)

@@ -1,22 +1,16 @@
 /*
- * Files on POSIX.
+ * Files, by what the systems do differently.
  */
-#define _XOPEN_SOURCE 700 /* realpath */
-
 #include "platform/file.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <stdbool.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "platform/system.h"
 
 enum {
     READ_SIZE = 65536,
@@ -32,21 +26,17 @@ static enum file_result read_all(int descriptor, struct buffer *buffer)
             errno = ENOMEM;
             return FILE_NOT_READ;
         }
-        const ssize_t count = read(descriptor, buffer->bytes + buffer->length, READ_SIZE);
-        if (count == 0) {
-            return FILE_DONE;
+        const ptrdiff_t count = system_read(descriptor, buffer->bytes + buffer->length, READ_SIZE);
+        if (count <= 0) {
+            return count == 0 ? FILE_DONE : FILE_NOT_READ;
         }
-        if (count > 0) {
-            buffer->length += (size_t)count;
-        } else if (errno != EINTR) {
-            return FILE_NOT_READ;
-        }
+        buffer->length += (size_t)count;
     }
 }
 
 enum file_result file_read(const char *path, char **bytes, size_t *length)
 {
-    const int descriptor = path == NULL ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    const int descriptor = path == NULL ? system_input() : system_open_to_read(path);
     if (descriptor < 0) {
         return FILE_NOT_OPENED;
     }
@@ -55,7 +45,7 @@ enum file_result file_read(const char *path, char **bytes, size_t *length)
     const enum file_result result = read_all(descriptor, &buffer);
     const int reason = errno;
     if (path != NULL) {
-        (void)close(descriptor); /* nothing was written, so nothing can be lost */
+        (void)system_close(descriptor); /* nothing was written, so nothing can be lost */
     }
     *length = buffer.length;
     if (result != FILE_DONE) {
@@ -73,10 +63,7 @@ enum file_result file_read(const char *path, char **bytes, size_t *length)
 static bool write_all(int descriptor, const char *bytes, size_t length)
 {
     while (length > 0) {
-        const ssize_t count = write(descriptor, bytes, length);
-        if (count < 0 && errno == EINTR) {
-            continue;
-        }
+        const ptrdiff_t count = system_write(descriptor, bytes, length);
         if (count < 0) {
             return false;
         }
@@ -89,13 +76,13 @@ static bool write_all(int descriptor, const char *bytes, size_t length)
 /* Devices, pipes and the like cannot be replaced. */
 static enum file_result write_in_place(const char *path, const void *bytes, size_t length)
 {
-    const int descriptor = open(path, O_WRONLY | O_CLOEXEC);
+    const int descriptor = system_open_to_write(path);
     if (descriptor < 0) {
         return FILE_NOT_OPENED;
     }
     const bool is_written = write_all(descriptor, bytes, length);
     const int reason = errno;
-    if (close(descriptor) == 0 && is_written) {
+    if (system_close(descriptor) && is_written) {
         return FILE_DONE;
     }
     errno = is_written ? errno : reason;
@@ -106,8 +93,8 @@ static enum file_result write_in_place(const char *path, const void *bytes, size
 static int open_beside(const char *path, char *name, size_t size)
 {
     for (int i = 0; i < MANY_NAMES; i++) {
-        (void)snprintf(name, size, "%s.%ld-%d.tmp", path, (long)getpid(), i);
-        const int descriptor = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        (void)snprintf(name, size, "%s.%ld-%d.tmp", path, system_process(), i);
+        const int descriptor = system_create(name);
         if (descriptor >= 0 || errno != EEXIST) {
             return descriptor;
         }
@@ -115,8 +102,8 @@ static int open_beside(const char *path, char *name, size_t size)
     return -1;
 }
 
-static enum file_result replace(const char *path, const struct stat *old, const void *bytes,
-                                size_t length)
+/* Puts a new file into its place; old: it is there already. */
+static enum file_result replace(const char *path, bool old, const void *bytes, size_t length)
 {
     const size_t size = strlen(path) + 48;
     char *name = mem_new(size);
@@ -125,37 +112,43 @@ static enum file_result replace(const char *path, const struct stat *old, const 
         free(name);
         return FILE_NOT_OPENED;
     }
-    bool is_done = write_all(descriptor, bytes, length) &&
-                   (old == NULL || fchmod(descriptor, old->st_mode & 07777) == 0);
-    is_done = close(descriptor) == 0 && is_done && rename(name, path) == 0;
+    bool is_done =
+        write_all(descriptor, bytes, length) && (!old || system_take_rights(descriptor, path));
+    is_done = system_close(descriptor) && is_done && system_move(name, path);
     const int reason = errno;
     if (!is_done) {
-        (void)unlink(name); /* the first error is the one to tell */
+        system_remove(name); /* the first error is the one to tell */
     }
     free(name);
     errno = reason;
     return is_done ? FILE_DONE : FILE_NOT_WRITTEN;
 }
 
-enum file_result file_write(const char *path, const void *bytes, size_t length)
+static enum file_result replace_ordinary(const char *path, const void *bytes, size_t length)
 {
-    struct stat old;
-    if (path == NULL) {
-        return write_all(STDOUT_FILENO, bytes, length) ? FILE_DONE : FILE_NOT_WRITTEN;
-    }
-    if (stat(path, &old) != 0) {
-        return replace(path, NULL, bytes, length);
-    }
-    if (!S_ISREG(old.st_mode)) {
-        return write_in_place(path, bytes, length);
-    }
-    if (access(path, W_OK) != 0) {
+    if (!system_may_write(path)) {
         return FILE_NOT_OPENED;
     }
-    char *target = realpath(path, NULL); /* a symbolic link stays one */
-    const enum file_result result = replace(target != NULL ? target : path, &old, bytes, length);
+    char *target = system_real_name(path); /* a symbolic link stays one */
+    const enum file_result result = replace(target != NULL ? target : path, true, bytes, length);
     const int reason = errno;
     free(target);
     errno = reason;
     return result;
+}
+
+enum file_result file_write(const char *path, const void *bytes, size_t length)
+{
+    if (path == NULL) {
+        return write_all(system_output(), bytes, length) ? FILE_DONE : FILE_NOT_WRITTEN;
+    }
+    switch (system_kind_of(path)) {
+    case SYSTEM_ORDINARY:
+        return replace_ordinary(path, bytes, length);
+    case SYSTEM_DEVICE:
+        return write_in_place(path, bytes, length);
+    case SYSTEM_NOTHING:
+    default:
+        return replace(path, false, bytes, length);
+    }
 }
