@@ -17,17 +17,16 @@ import functools
 import inspect
 import weakref
 from types import TracebackType
-from typing import Any, AsyncIterator, Callable, Dict, List, Optional, Set, Tuple, Type
+from typing import Any, AsyncIterator, Dict, List, Optional, Set, Tuple, Type
 
 from ._ffi import lib
 from .arguments import Text
-from .connection import Connection, Message, OnError, Subscription, Timer
+from .connection import Connection, Message, OnError
 from .constants import IPC_Not_Connected, IPC_VARIABLE_LENGTH
 from .contexts import has_ended
+from .coroutines import CoroutineConnection, Handler, SubscribedMessages
 from .errors import IPCTimeout, NotConnected, last_error
 from .library import waits
-
-Handler = Callable[[Message[Any]], Any]
 
 
 # ---------------------------------------------------------------- the event loop
@@ -102,7 +101,7 @@ def _pump() -> _Pump:
 
 # ------------------------------------------------------------------ connections
 
-class AsyncConnection:
+class AsyncConnection(CoroutineConnection):
     """A connection of a program that uses asyncio."""
 
     def __init__(self, name: Text, server: Optional[Text] = None, *,
@@ -212,23 +211,6 @@ class AsyncConnection:
         """The messages of these names as they come, for async for."""
         return Stream(self, names, type, numpy, maxsize)
 
-    def on(self, name: Text, handler: Optional[Handler] = None, *,
-           type: Optional[Type[Any]] = None, numpy: bool = False,
-           queries: bool = False) -> Any:
-        """Has a function or coroutine function called with each message; also a decorator.
-
-        With queries the messages are queries, which a coroutine may answer whenever it likes.
-        """
-        if handler is None:
-            def decorate(function: Handler) -> Handler:
-                self.on(name, function, type=type, numpy=numpy, queries=queries)
-                return function
-            return decorate
-        subscription = self.connection.subscribe(name, self._adapted(handler, queries), type=type,
-                                                 numpy=numpy)
-        self._changed()
-        return subscription
-
     def _adapted(self, handler: Handler, queries: bool) -> Handler:
         if not inspect.iscoroutinefunction(handler):
             return handler
@@ -249,27 +231,16 @@ class AsyncConnection:
             asyncio.get_running_loop().call_exception_handler(
                 {"message": "an exception in a handler of IPC", "exception": failure})
 
-    def every(self, seconds: float, handler: Callable[[], Any]) -> Timer:
-        """Has a function called again and again."""
-        timer = self.connection.every(seconds, handler)
-        self._changed()
-        return timer
 
-
-class Stream:
+class Stream(SubscribedMessages):
     """Messages as they come.  The subscriptions end with the loop, or with close()."""
 
     def __init__(self, connection: AsyncConnection, names: Tuple[Text, ...],
                  type: Optional[Type[Any]], numpy: bool, maxsize: int) -> None:
         self._queue: asyncio.Queue[Optional[Message[Any]]] = asyncio.Queue()
         self._maxsize = maxsize
-        #: How many messages were dropped because maxsize were waiting.
-        self.dropped = 0
-        self._subscriptions: List[Subscription] = [
-            connection.connection.subscribe(name, self._arrived, type=type, numpy=numpy)
-            for name in names]
+        super().__init__(connection, names, type, numpy)
         connection._streams.add(self)
-        connection._changed()
 
     def _arrived(self, message: Message[Any]) -> None:
         if self._maxsize and self._queue.qsize() >= self._maxsize:
@@ -293,13 +264,6 @@ class Stream:
                 yield message
         finally:
             self.close()
-
-    def close(self) -> None:
-        """Ends the subscriptions."""
-        subscriptions, self._subscriptions = self._subscriptions, []
-        for subscription in subscriptions:
-            with subscription:
-                pass
 
 
 def connect(name: Text, server: Optional[Text] = None, *,

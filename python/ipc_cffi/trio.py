@@ -15,30 +15,33 @@ import contextlib
 import inspect
 import math
 import os
-from typing import Any, AsyncIterator, Callable, List, Optional, Set, Tuple, Type
+from typing import Any, AsyncIterator, Optional, Set, Tuple, Type
 
 import trio
 
 from ._ffi import lib
 from .arguments import Text
-from .connection import Connection, Message, OnError, Subscription, Timer
+from .connection import Connection, Message, OnError
 from .constants import IPC_Not_Connected, IPC_VARIABLE_LENGTH
+from .coroutines import CoroutineConnection, Handler, SubscribedMessages
 from .errors import IPCTimeout, last_error
 from .library import waits
 
-Handler = Callable[[Message[Any]], Any]
 
-
-class TrioConnection:
+class TrioConnection(CoroutineConnection):
     """A connection of a program that uses trio."""
 
     def __init__(self, connection: Connection, nursery: trio.Nursery) -> None:
-        #: The connection beneath.
-        self.connection = connection
+        self._connection = connection
         self._nursery = nursery
         self._wait = trio.CancelScope()
         self._pending: Set[trio.MemorySendChannel[Any]] = set()
         connection.on_connection(self._switched)
+
+    @property
+    def connection(self) -> Connection:
+        """The connection beneath."""
+        return self._connection
 
     async def _work(self) -> None:
         """Lets the library work whenever it has something to do."""
@@ -113,22 +116,6 @@ class TrioConnection:
         """The messages of these names as they come, for async for."""
         return Stream(self, names, type, numpy, maxsize)
 
-    def on(self, name: Text, handler: Optional[Handler] = None, *,
-           type: Optional[Type[Any]] = None, numpy: bool = False, queries: bool = False) -> Any:
-        """Has a function or coroutine function called with each message; also a decorator.
-
-        With queries the messages are queries, which a coroutine may answer whenever it likes.
-        """
-        if handler is None:
-            def decorate(function: Handler) -> Handler:
-                self.on(name, function, type=type, numpy=numpy, queries=queries)
-                return function
-            return decorate
-        subscription = self.connection.subscribe(name, self._adapted(handler, queries), type=type,
-                                                 numpy=numpy)
-        self._changed()
-        return subscription
-
     def _adapted(self, handler: Handler, queries: bool) -> Handler:
         if not inspect.iscoroutinefunction(handler):
             return handler
@@ -143,25 +130,14 @@ class TrioConnection:
             self._nursery.start_soon(run, message)
         return start
 
-    def every(self, seconds: float, handler: Callable[[], Any]) -> Timer:
-        """Has a function called again and again."""
-        timer = self.connection.every(seconds, handler)
-        self._changed()
-        return timer
 
-
-class Stream:
+class Stream(SubscribedMessages):
     """Messages as they come.  The subscriptions end with the loop, or with close()."""
 
     def __init__(self, ipc: TrioConnection, names: Tuple[Text, ...], type: Optional[Type[Any]],
                  numpy: bool, maxsize: int) -> None:
         self._send, self._receive = trio.open_memory_channel[Message[Any]](maxsize or math.inf)
-        #: How many messages were dropped because maxsize were waiting.
-        self.dropped = 0
-        self._subscriptions: List[Subscription] = [
-            ipc.connection.subscribe(name, self._arrived, type=type, numpy=numpy)
-            for name in names]
-        ipc._changed()
+        super().__init__(ipc, names, type, numpy)
 
     def _arrived(self, message: Message[Any]) -> None:
         try:
@@ -181,13 +157,6 @@ class Stream:
                 yield await self.get()
         finally:
             self.close()
-
-    def close(self) -> None:
-        """Ends the subscriptions."""
-        subscriptions, self._subscriptions = self._subscriptions, []
-        for subscription in subscriptions:
-            with subscription:
-                pass
 
 
 @contextlib.asynccontextmanager

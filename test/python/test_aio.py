@@ -72,7 +72,11 @@ def test_no_answer_and_cancellation(address):
             with pytest.raises(asyncio.CancelledError):
                 await task
             held.pop().respond("query", 2)
-            await asyncio.sleep(0.05)
+            await ipc.define("after", int)
+            stream = ipc.subscribe("after")
+            await ipc.publish("after", 1)  # what comes behind the response
+            await stream.get()
+            stream.close()
             with pytest.raises(IPC.MessageNotDefined):
                 await ipc.query("unknown", 2)
             with pytest.raises(TypeError):
@@ -163,10 +167,15 @@ def test_the_end_of_the_connection_ends_what_waits(ipc, start_central):
     async def main():
         async with aio.connect("test", central.address) as ipc:
             await ipc.define("query", int)
-            ipc.on("query", lambda message: message.delay())
+            asked = asyncio.Event()
+
+            @ipc.on("query")
+            def hold(message):
+                message.delay()
+                asked.set()
             stream = ipc.subscribe("other")
             waiting = asyncio.ensure_future(ipc.query("query", 1))
-            await asyncio.sleep(0.05)
+            await asked.wait()
             central.process.kill()
             central._stopped = True
             with pytest.raises(IPC.NotConnected):

@@ -9,10 +9,7 @@ import traceback
 import pytest
 
 from python.tools import Program, ipc as IPC, listen_until
-from support.waiting import PATIENCE, SLOW, wait_until
-
-#: Ctrl-C has to take effect within this time.
-AT_ONCE = 0.3 * SLOW + 0.2
+from support.waiting import PATIENCE, wait_until
 
 
 def fail(*_):
@@ -160,7 +157,6 @@ def test_ctrl_c_ends_every_waiting_call_at_once(defined, program, call):
     """And the connection can be used afterwards."""
     defined.IPC_subscribeData("m", print)
     started = program(f"""
-        import time
         import ipc_cffi as IPC
         IPC.IPC_connect("other")
         IPC.IPC_subscribeData("query", print)
@@ -168,15 +164,13 @@ def test_ctrl_c_ends_every_waiting_call_at_once(defined, program, call):
         try:
             {call}
         except KeyboardInterrupt:
-            print("interrupted", time.time())
+            print("interrupted")
         print("connected", IPC.IPC_isModuleConnected("other"))
         """)
     started.wait_for_line("ready")
-    time.sleep(0.1 * SLOW)  # so that it is in the kernel
-    begin = time.time()
+    started.wait_until_it_waits()
     started.signal(signal.SIGINT)
-    end = float(started.wait_for_line(r"interrupted (\S+)").group(1))
-    assert end - begin < AT_ONCE
+    started.wait_for_line("interrupted")  # long before the call would end by itself
     started.wait_for_line("connected True")
     assert started.wait() == 0
 
@@ -192,9 +186,9 @@ def test_ctrl_c_ends_connecting(ipc):
             print("interrupted")
         """)
     started.wait_for_line("ready")
-    time.sleep(0.2 * SLOW)
+    started.wait_until_it_waits()
     started.signal(signal.SIGINT)
-    started.wait_for_line("interrupted", seconds=AT_ONCE + 1)
+    started.wait_for_line("interrupted")
     assert started.wait() == 0
 
 
@@ -207,6 +201,7 @@ def test_ctrl_c_ends_a_publication_that_the_server_does_not_take(central, progra
         data = bytearray(b"abc" * 1000000)
         print("ready")
         input()
+        print("publishing")
         try:
             while True:
                 IPC.IPC_publish("m", len(data), data)
@@ -223,9 +218,10 @@ def test_ctrl_c_ends_a_publication_that_the_server_does_not_take(central, progra
     started.wait_for_line("ready")
     central.signal(signal.SIGSTOP)
     started.write_line("")
-    time.sleep(0.5 * SLOW)
+    started.wait_for_line("publishing")
+    started.wait_until_it_waits()
     started.signal(signal.SIGINT)
-    started.wait_for_line("interrupted", seconds=AT_ONCE + 1)
+    started.wait_for_line("interrupted")
     central.signal(signal.SIGCONT)
     started.write_line("")
     started.wait_for_line("alive True")
@@ -247,9 +243,9 @@ def test_ctrl_c_while_another_thread_is_in_the_kernel(defined, program):
         IPC.IPC_disconnect()
         """)
     started.wait_for_line("ready")
-    time.sleep(0.1 * SLOW)
+    started.wait_until_it_waits()
     started.signal(signal.SIGINT)
-    started.wait_for_line("interrupted", seconds=AT_ONCE + 1)
+    started.wait_for_line("interrupted")
     assert started.wait() == 0
 
 
@@ -260,10 +256,11 @@ def test_other_signal_handlers_run_while_waiting(defined):
         signal.setitimer(signal.ITIMER_REAL, 0.05)
         begin = time.monotonic()
         assert defined.IPC_listenWait(600) == defined.IPC_Timeout
-        assert time.monotonic() - begin >= 0.59
+        end = time.monotonic()
+        assert end - begin >= 0.59
     finally:
         signal.signal(signal.SIGALRM, before)
-    assert calls and calls[0] - begin < 0.05 + AT_ONCE
+    assert calls and calls[0] < end
 
 
 def test_other_threads_run_while_one_listens(defined):
@@ -278,7 +275,7 @@ def test_other_threads_run_while_one_listens(defined):
     defined.IPC_listenWait(1000)
     over.set()
     thread.join()
-    assert len(turns) >= 50 / SLOW
+    assert len(turns) > 5  # with the lock held there would be one
 
 
 def test_threads_publish_while_one_listens(defined):

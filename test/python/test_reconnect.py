@@ -117,12 +117,17 @@ def test_asyncio(ipc, restart):
         async with aio.connect("test", restart.begin().address, reconnect="fail") as connection:
             await connection.define("m", int)
             await connection.define("q", int)
-            connection.on("q", lambda message: message.delay())
+            asked = asyncio.Event()
+
+            @connection.on("q")
+            def hold(message):
+                message.delay()
+                asked.set()
             stream = connection.subscribe("m")
             seen = asyncio.Queue()
             connection.connection.on_connection(seen.put_nowait)
             waiting = asyncio.ensure_future(connection.query("q", 1))
-            await asyncio.sleep(0.02)
+            await asked.wait()
             restart.end()
             assert await seen.get() is False
             with pytest.raises(IPC.NotConnected):

@@ -135,7 +135,12 @@ def test_several_connections_and_the_end_of_one(ipc, start_central):
                 await connection.define("m", int)
                 streams.append(connection.subscribe("m"))
             await second.define("q", int)
-            second.on("q", lambda message: message.delay())
+            asked = trio.Event()
+
+            @second.on("q")
+            def hold(message):
+                message.delay()
+                asked.set()
             await first.publish("m", 1)
             await second.publish("m", 2)
             assert [(await stream.get()).data for stream in streams] == [1, 2]
@@ -150,7 +155,7 @@ def test_several_connections_and_the_end_of_one(ipc, start_central):
                     failed.send_nowait("not connected")
             async with trio.open_nursery() as nursery:
                 nursery.start_soon(ask)
-                await trio.sleep(0.02)
+                await asked.wait()
                 centrals[1].stop()
                 assert await how.receive() == "not connected"
             assert await gone.receive() is False

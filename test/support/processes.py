@@ -11,7 +11,7 @@ import threading
 import tty
 import zlib
 
-from support.waiting import Deadline, PATIENCE, SLOW, TimedOut
+from support.waiting import Deadline, PATIENCE, SLOW, TimedOut, wait_until
 
 SANITIZER_TRACES = ("ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "runtime error:",
                     "WARNING: ThreadSanitizer")
@@ -79,6 +79,17 @@ class Process:
 
     def alive(self):
         return self.process.poll() is None
+
+    def wait_until_it_waits(self):
+        """Until the program's main thread is asleep, and is so at several looks in a row."""
+        looks = 0
+
+        def sleeps():
+            nonlocal looks
+            with open(f"/proc/{self.pid}/stat", encoding="ascii", errors="replace") as file:
+                looks = looks + 1 if file.read().rpartition(")")[2].split()[0] == "S" else 0
+            return looks == 5
+        wait_until(sleeps, f"{self} waits")
 
     def output(self):
         """Everything written so far, both streams."""
