@@ -21,10 +21,10 @@ from typing import Any, AsyncIterator, Dict, List, Optional, Set, Tuple, Type
 
 from ._ffi import lib
 from .arguments import Text
-from .connection import Connection, Message, OnError
+from .connection import Connection, Message, OnError, SubscribedMessages
 from .constants import IPC_Not_Connected, IPC_VARIABLE_LENGTH
 from .contexts import has_ended
-from .coroutines import CoroutineConnection, Handler, SubscribedMessages
+from .coroutines import CoroutineConnection, Handler
 from .errors import IPCTimeout, NotConnected, last_error
 from .library import waits
 
@@ -239,8 +239,9 @@ class Stream(SubscribedMessages):
                  type: Optional[Type[Any]], numpy: bool, maxsize: int) -> None:
         self._queue: asyncio.Queue[Optional[Message[Any]]] = asyncio.Queue()
         self._maxsize = maxsize
-        super().__init__(connection, names, type, numpy)
+        super().__init__(connection.connection, names, type, numpy)
         connection._streams.add(self)
+        connection._changed()
 
     def _arrived(self, message: Message[Any]) -> None:
         if self._maxsize and self._queue.qsize() >= self._maxsize:

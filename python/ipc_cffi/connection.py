@@ -483,7 +483,28 @@ class Connection:
         return Messages(self, names, type, timeout, numpy, queries, maxsize)
 
 
-class Messages(Generic[T]):
+class SubscribedMessages:
+    """Messages of several names as they come."""
+
+    def __init__(self, connection: Connection, names: Tuple[Text, ...],
+                 type: Optional[Type[Any]], numpy: bool) -> None:
+        #: How many messages were dropped because maxsize were waiting.
+        self.dropped = 0
+        self._subscriptions: List[Subscription] = [
+            connection.subscribe(name, self._arrived, type=type, numpy=numpy) for name in names]
+
+    def _arrived(self, message: Message[Any]) -> None:
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Ends the subscriptions."""
+        subscriptions, self._subscriptions = self._subscriptions, []
+        for subscription in subscriptions:
+            with subscription:
+                pass
+
+
+class Messages(SubscribedMessages, Generic[T]):
     """An iterator over messages.  Its subscriptions end with the loop, or with close()."""
 
     def __init__(self, connection: Connection, names: Tuple[Text, ...],
@@ -493,12 +514,7 @@ class Messages(Generic[T]):
         self._timeout = timeout
         self._queries = queries
         self._waiting: Deque[Message[T]] = deque(maxlen=maxsize or None)
-        #: How many messages were dropped because maxsize were waiting.
-        self.dropped = 0
-        self._subscriptions: List[Subscription] = []
-        for name in names:
-            self._subscriptions.append(
-                connection.subscribe(name, self._arrived, type=type, numpy=numpy))
+        super().__init__(connection, names, type, numpy)
 
     def _arrived(self, message: Message[T]) -> None:
         if self._queries:
@@ -527,13 +543,6 @@ class Messages(Generic[T]):
                 return None
             self._connection.listen(left)
         return self._waiting.popleft()
-
-    def close(self) -> None:
-        """Ends the subscriptions."""
-        subscriptions, self._subscriptions = self._subscriptions, []
-        for subscription in subscriptions:
-            with subscription:
-                pass
 
     def __enter__(self) -> Messages[T]:
         return self

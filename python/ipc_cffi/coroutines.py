@@ -1,10 +1,10 @@
 """What connections of asyncio and of trio have in common."""
 from __future__ import annotations
 
-from typing import Any, Callable, List, Optional, Tuple, Type
+from typing import Any, Callable, Optional, Type
 
 from .arguments import Text
-from .connection import Connection, Message, Subscription, Timer
+from .connection import Connection, Message, Timer
 
 Handler = Callable[[Message[Any]], Any]
 
@@ -47,26 +47,3 @@ class CoroutineConnection:
         timer = self.connection.every(seconds, handler)
         self._changed()
         return timer
-
-
-class SubscribedMessages:
-    """Messages as they come.  The subscriptions end with the loop, or with close()."""
-
-    def __init__(self, ipc: CoroutineConnection, names: Tuple[Text, ...],
-                 type: Optional[Type[Any]], numpy: bool) -> None:
-        #: How many messages were dropped because maxsize were waiting.
-        self.dropped = 0
-        self._subscriptions: List[Subscription] = [
-            ipc.connection.subscribe(name, self._arrived, type=type, numpy=numpy)
-            for name in names]
-        ipc._changed()
-
-    def _arrived(self, message: Message[Any]) -> None:
-        raise NotImplementedError
-
-    def close(self) -> None:
-        """Ends the subscriptions."""
-        subscriptions, self._subscriptions = self._subscriptions, []
-        for subscription in subscriptions:
-            with subscription:
-                pass

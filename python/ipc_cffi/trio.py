@@ -21,9 +21,9 @@ import trio
 
 from ._ffi import lib
 from .arguments import Text
-from .connection import Connection, Message, OnError
+from .connection import Connection, Message, OnError, SubscribedMessages
 from .constants import IPC_Not_Connected, IPC_VARIABLE_LENGTH
-from .coroutines import CoroutineConnection, Handler, SubscribedMessages
+from .coroutines import CoroutineConnection, Handler
 from .errors import IPCTimeout, last_error
 from .library import waits
 
@@ -137,7 +137,8 @@ class Stream(SubscribedMessages):
     def __init__(self, ipc: TrioConnection, names: Tuple[Text, ...], type: Optional[Type[Any]],
                  numpy: bool, maxsize: int) -> None:
         self._send, self._receive = trio.open_memory_channel[Message[Any]](maxsize or math.inf)
-        super().__init__(ipc, names, type, numpy)
+        super().__init__(ipc.connection, names, type, numpy)
+        ipc._changed()
 
     def _arrived(self, message: Message[Any]) -> None:
         try:
