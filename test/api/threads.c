@@ -145,6 +145,52 @@ CHECK(three_threads_may_publish_while_two_others_listen)
     expect_all_messages(2);
 }
 
+enum { LATE = 300 };
+
+static void late_name(int number, char name[16])
+{
+    snprintf(name, 16, "late%d", number);
+}
+
+/* Two of each message, one after the other. */
+PLAYER(late_publisher)
+{
+    char name[16];
+    for (int i = 0; i < 2 * LATE; i++) {
+        struct numbered message = {0, i};
+        late_name(i / 2, name);
+        EXPECT_OK(IPC_defineMsg(name, IPC_VARIABLE_LENGTH, NULL));
+        EXPECT_OK(IPC_publish(name, sizeof message, &message));
+    }
+    player_serve();
+}
+
+/* Where a message is not known yet, central is asked before its handler can run: no other thread is
+ * faster with the message that comes after it. */
+CHECK_NEW(messages_defined_late_keep_their_order_among_threads)
+{
+    pthread_t listeners[2];
+    char name[16];
+    struct central *central = connected();
+    IPC_setCapacity(50);
+    for (int i = 0; i < LATE; i++) {
+        late_name(i, name);
+        EXPECT_OK(IPC_subscribe(name, receive, NULL));
+    }
+    for (int i = 0; i < 2; i++) {
+        listeners[i] = thread_start(listen_until_stopped, NULL);
+    }
+    module_start("late_publisher", central);
+    EXPECT(becomes(&n_received, 2 * LATE));
+    add(&stop, 1);
+    for (int i = 0; i < 2; i++) {
+        pthread_join(listeners[i], NULL);
+    }
+    EXPECT_INT(n_received, 2 * LATE);
+    EXPECT_INT(n_disordered, 0);
+    EXPECT_INT(n_concurrent, 0);
+}
+
 /* ----------------------------------------------------------------------------------- asking */
 
 static void answer(MSG_INSTANCE instance, BYTE_ARRAY content, void *client_data)
@@ -208,6 +254,42 @@ CHECK_NEW(two_threads_may_ask_at_a_time)
 CHECK_NEW(two_threads_may_ask_while_two_others_listen)
 {
     expect_all_replies(2);
+}
+
+static void *ask_central_many(void *argument)
+{
+    (void)argument;
+    for (int i = 0; i < 10 * QUERIES; i++) {
+        EXPECT_INT(IPC_isModuleConnected("A"), 1);
+    }
+    return NULL;
+}
+
+static void *look_until_stopped(void *argument)
+{
+    (void)argument;
+    while (!get(&stop)) {
+        IPC_listen(0);
+    }
+    return NULL;
+}
+
+/* An answer that another thread reads, just before the one that waits for it begins to wait in the
+ * kernel, still ends that wait. */
+CHECK_NEW(what_one_thread_reads_ends_the_wait_of_another)
+{
+    pthread_t asking[2];
+    pthread_t looking;
+    connected();
+    looking = thread_start(look_until_stopped, NULL);
+    for (int i = 0; i < 2; i++) {
+        asking[i] = thread_start(ask_central_many, NULL);
+    }
+    for (int i = 0; i < 2; i++) {
+        pthread_join(asking[i], NULL);
+    }
+    add(&stop, 1);
+    pthread_join(looking, NULL);
 }
 
 /* --------------------------------------------------------------------- everything at a time */

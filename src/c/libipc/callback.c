@@ -19,6 +19,20 @@ bool callback_turn_is_free(struct library *library, struct _X_IPC_CONTEXT *conte
     return turn->thread == 0 || turn->thread == thread_number();
 }
 
+void callback_take_turn(struct turn *turn)
+{
+    turn->thread = thread_number();
+    turn->depth++;
+}
+
+void callback_give_turn(struct library *library, struct turn *turn)
+{
+    if (--turn->depth == 0) {
+        turn->thread = 0;
+        wait_wake(library); /* others may have waited for it */
+    }
+}
+
 struct running callback_of(struct library *library, struct _X_IPC_CONTEXT *context,
                            int32_t dispatch)
 {
@@ -35,8 +49,7 @@ void callback_begin(struct library *library, struct running *running)
     running->thread = thread_number();
     running->outer = library->running;
     library->running = running;
-    running->turn->thread = running->thread;
-    running->turn->depth++;
+    callback_take_turn(running->turn);
     library_leave(library);
 }
 
@@ -48,8 +61,5 @@ void callback_end(struct library *library, struct running *running)
         link = &(*link)->outer;
     }
     *link = running->outer;
-    if (--running->turn->depth == 0) {
-        running->turn->thread = 0;
-        wait_wake(library); /* others may have waited for their turn */
-    }
+    callback_give_turn(library, running->turn);
 }

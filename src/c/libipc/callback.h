@@ -22,6 +22,10 @@ void callback_begin(struct library *library, struct running *running);
 /* It has returned: the lock is held again. */
 void callback_end(struct library *library, struct running *running);
 
+/* This thread alone runs callbacks of that turn from now on, until it has given it back as often. */
+void callback_take_turn(struct turn *turn);
+void callback_give_turn(struct library *library, struct turn *turn);
+
 /* Whether this thread may run callbacks of that context (see callback_of) now: nobody does, or it
  * does itself. */
 bool callback_turn_is_free(struct library *library, struct _X_IPC_CONTEXT *context);

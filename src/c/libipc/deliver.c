@@ -157,6 +157,9 @@ static void deliver_message(struct instance *instance)
 
 void deliver(struct instance *instance)
 {
+    struct _X_IPC_CONTEXT *context = instance->context;
+    /* From here on, because the lock may be given up before the handler runs, to ask central. */
+    callback_take_turn(&context->turn);
     instance_activate(instance);
     if (instance->kind == INSTANCE_NOTICE) {
         watcher_run(instance);
@@ -164,4 +167,5 @@ void deliver(struct instance *instance)
         deliver_message(instance);
     }
     finish(instance);
+    callback_give_turn(context->library, &context->turn);
 }

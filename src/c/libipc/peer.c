@@ -46,6 +46,7 @@ void peer_close(struct peer *peer)
         wait_remove(peer->context->library, &peer->source);
         link_fini(&peer->link);
         list_remove(&peer->in_context);
+        wait_wake(peer->context->library); /* for those that wait for it to take bytes */
         peer_unref(peer);
     }
 }

@@ -218,6 +218,15 @@ static int take_frames(struct _X_IPC_CONTEXT *context, struct link *link, struct
     return result < 0 ? result : n_frames;
 }
 
+/* What came may be what threads wait for; the one in the kernel would not hear of it any more. */
+static bool tell(struct library *library, bool any)
+{
+    if (any) {
+        wait_wake(library);
+    }
+    return any;
+}
+
 bool receive(struct _X_IPC_CONTEXT *context)
 {
     bool any = false;
@@ -239,7 +248,7 @@ bool receive(struct _X_IPC_CONTEXT *context)
             context_lose(context, true);
         }
     }
-    return any;
+    return tell(context->library, any);
 }
 
 bool receive_from_peer(struct peer *peer)
@@ -260,8 +269,9 @@ bool receive_from_peer(struct peer *peer)
             peer_end(peer);
         }
     }
+    struct library *library = peer->context->library;
     peer_unref(peer);
-    return any;
+    return tell(library, any);
 }
 
 /* --------------------------------------------------------------- as a source */
