@@ -82,6 +82,7 @@ void IPCx_setGiveUp(int (*giveUp)(void))
 {
     struct library *library = library_enter();
     library->give_up = giveUp;
+    library->ask_again_ns = 0;
     library_leave(library);
 }
 

@@ -59,8 +59,9 @@ struct library {
     struct source_list *waiting; /* what it waits for, or is looking at after the wait; else NULL */
     unsigned sleepers;           /* threads that wait for it in turn */
     unsigned listeners;          /* threads inside a listening call */
-    int (*give_up)(void); /* whether the thread that asks should wait no longer; NULL: never */
-    struct waker waker;   /* ends the wait in the kernel */
+    int (*give_up)(void);  /* whether the thread that asks should wait no longer; NULL: never */
+    uint64_t ask_again_ns; /* when that is asked though there is enough else to do */
+    struct waker waker;    /* ends the wait in the kernel */
 
     bool initialised;     /* always while a context is live (context.h) */
     bool used;            /* has ever been initialised: errors may end the process */

@@ -31,17 +31,22 @@ bool wait_is_given_up(struct library *library)
     library_leave(library);
     const bool given_up = give_up() != 0;
     mutex_lock(library->lock);
+    library->ask_again_ns = clock_ns() + (uint64_t)ASK_MS * 1000000u;
     return given_up;
 }
 
 /* The end of one wait: the deadline, or when the program is to be asked next. */
 static uint64_t end_of_turn(const struct library *library, uint64_t deadline_ns)
 {
-    if (library->give_up == NULL) {
-        return deadline_ns;
-    }
-    const uint64_t ask_ns = clock_ns() + (uint64_t)ASK_MS * 1000000u;
-    return ask_ns < deadline_ns ? ask_ns : deadline_ns;
+    return library->give_up != NULL && library->ask_again_ns < deadline_ns ? library->ask_again_ns
+                                                                           : deadline_ns;
+}
+
+/* To ask takes longer than to look at what has come, so this is done first, if there is anything. */
+static bool is_given_up_after_turn(struct library *library, bool any)
+{
+    return library->give_up != NULL && (!any || clock_ns() >= library->ask_again_ns) &&
+           wait_is_given_up(library);
 }
 
 bool wait_pause(int milliseconds)
@@ -145,7 +150,8 @@ static int64_t patience_ms(const struct library *library, uint64_t deadline_ns)
     return now >= until ? 0 : (int64_t)((until - now + 999999u) / 1000000u);
 }
 
-static void wait_in_kernel(struct library *library, uint64_t deadline_ns)
+/* Returns whether anything was found. */
+static bool wait_in_kernel(struct library *library, uint64_t deadline_ns)
 {
     struct source_list list;
     source_list_init(&list, library);
@@ -172,6 +178,7 @@ static void wait_in_kernel(struct library *library, uint64_t deadline_ns)
         condition_tell_all(library->changed);
     }
     source_list_fini(&list);
+    return found > 0;
 }
 
 /* Whether a source wants more by now than the thread in the kernel waits for. */
@@ -203,10 +210,11 @@ bool wait_turn(struct library *library, uint64_t deadline_ns)
         return true;
     }
     const uint64_t end_ns = end_of_turn(library, deadline_ns);
+    bool any = false;
     if (library->polling) {
         wait_for_other(library, end_ns);
     } else {
-        wait_in_kernel(library, end_ns);
+        any = wait_in_kernel(library, end_ns);
     }
-    return !wait_is_given_up(library);
+    return !is_given_up_after_turn(library, any);
 }
