@@ -72,6 +72,7 @@ void IPC_freeByteArray(void *);
 
 IPC_RETURN_TYPE IPC_removeTimerByRef(TIMER_REF);
 
+#define GLUE_LARGE ...
 void glue_begin(void);
 void glue_end(void);
 IPC_RETURN_TYPE glue_subscribe(const char *, const char *, uintptr_t);
@@ -87,13 +88,15 @@ IPC_RETURN_TYPE glue_add_timer(unsigned long, long, uintptr_t, TIMER_REF *);
 struct reply { void *content; unsigned int length; int is_big_endian; FORMATTER_PTR formatter; };
 IPC_RETURN_TYPE glue_query(const char *, unsigned int, void *, unsigned int, struct reply *);
 IPC_RETURN_TYPE glue_publish_fixed(const char *, unsigned int, void *);
+#define GLUE_OTHER_FORMAT ...
+int glue_publish_as(const char *, FORMATTER_PTR, unsigned int, void *);
 int glue_connections(int *, int);
 const char *glue_version(void);
 char *glue_print(FORMATTER_PTR, void *, unsigned int);
 void glue_free(void *);
 
 extern "Python" {
-    void py_message(MSG_INSTANCE, void *, unsigned int, int, uintptr_t);
+    void py_message(MSG_INSTANCE, char *, unsigned int, int, uintptr_t);
     void py_descriptor(int, uintptr_t);
     void py_connect(char *, uintptr_t);
     void py_disconnect(char *, uintptr_t);

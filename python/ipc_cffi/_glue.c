@@ -27,7 +27,7 @@ extern const char *ipcErrorStrings[NUM_ERRORS];
 
 /* ------------------------------------------------------------------ handlers */
 
-static void py_message(MSG_INSTANCE instance, void *content, unsigned int length, int is_big_endian,
+static void py_message(MSG_INSTANCE instance, char *content, unsigned int length, int is_big_endian,
                        uintptr_t number);
 static void py_descriptor(int fd, uintptr_t number);
 static void py_connect(char *module, uintptr_t number);
@@ -38,6 +38,9 @@ static void py_timer(uintptr_t number, unsigned long now, unsigned long schedule
 static int py_give_up(void);
 static void py_loss(void);
 
+/* Python copies fewer bytes than these, and takes over what has more. */
+enum { GLUE_LARGE = 1 << 14 };
+
 static void on_message(MSG_INSTANCE instance, BYTE_ARRAY content, void *number)
 {
     unsigned int length = 0;
@@ -46,6 +49,9 @@ static void on_message(MSG_INSTANCE instance, BYTE_ARRAY content, void *number)
         (void)IPCx_arrayInfo(content, &length, &is_big_endian); /* known: it has just come */
     }
     py_message(instance, content, length, is_big_endian, (uintptr_t)number);
+    if (content != NULL && length < GLUE_LARGE) {
+        IPC_freeByteArray(content);
+    }
 }
 
 static void on_descriptor(int fd, void *number)
@@ -198,6 +204,21 @@ static IPC_RETURN_TYPE glue_publish_fixed(const char *message, unsigned int leng
         return IPC_Error;
     }
     return IPC_publish(message, length, content);
+}
+
+/* Publishes bytes that were encoded in that format, if it is still the message's: the library's result,
+ * or GLUE_OTHER_FORMAT. */
+enum { GLUE_OTHER_FORMAT = -1 };
+
+static int glue_publish_as(const char *message, FORMATTER_PTR formatter, unsigned int length,
+                           void *content)
+{
+    IPC_errno = IPC_No_Error;
+    const FORMATTER_PTR present = IPC_msgFormatter(message);
+    if (present == NULL && IPC_errno != IPC_No_Error) {
+        return IPC_Error;
+    }
+    return present == formatter ? (int)IPC_publish(message, length, content) : GLUE_OTHER_FORMAT;
 }
 
 /* Writes the descriptors of IPC_getConnections to fds; returns how many there are. */

@@ -1,9 +1,8 @@
 """Formats and marshalling [manual 6]."""
 from __future__ import annotations
 
-import functools
 import sys
-from typing import Any, Dict, NoReturn, Optional, Tuple, Union
+from typing import Any, Callable, Dict, NoReturn, Optional, Tuple
 
 from . import tree
 from ._ffi import ffi, lib
@@ -13,7 +12,7 @@ from .constants import (IPC_No_Error, IPC_Null_Argument, IPC_OK,
                         IPC_RETURN_TYPE, IPC_Wrong_Buffer_Length)
 from .errors import fail, raise_error
 from .library import begin, listen, waits
-from .values import BadBytes, Content, Converter, Style
+from .values import BadBytes, Content, Converter, Encoded
 
 
 class FORMATTER_PTR:
@@ -94,17 +93,21 @@ def IPC_msgFormatter(msgName: Optional[Text]) -> Optional[FORMATTER_PTR]:
 
 # ----------------------------------------------------------------- marshalling
 
-def encode(formatter: Optional[FORMATTER_PTR], data: Any) -> Union[bytearray, memoryview]:
-    """The bytes of data; raises what says why they do not fit."""
-    if formatter is not None:
-        return formatter.converter.encode(data)
+def _encode_nothing(data: Any) -> Encoded:
     if data is not None:
         raise TypeError("the message has no format: only None can be sent as its data, "
                         f"not {type(data).__name__}")
-    return bytearray()
+    return b""
 
 
-_style = functools.lru_cache(maxsize=None)(Style)
+def encoder(formatter: Optional[FORMATTER_PTR]) -> Callable[[Any], Encoded]:
+    """What makes bytes of data, or raises what says why they do not fit."""
+    return _encode_nothing if formatter is None else formatter.converter.encode
+
+
+def encode(formatter: Optional[FORMATTER_PTR], data: Any) -> Encoded:
+    """The bytes of data; raises what says why they do not fit."""
+    return encoder(formatter)(data)
 
 
 class _Arrays:
@@ -127,7 +130,7 @@ def decode(formatter: FORMATTER_PTR, content: Content, order: str, cls: Optional
     """The data of the bytes of a message.  No bytes are no data, if the format needs any."""
     if not content and formatter.converter.codec.least > 0:
         return None
-    return formatter.converter.decode(content, _style(order, numpy or _Arrays.numpy), cls)
+    return formatter.converter.decode(content, order, numpy or _Arrays.numpy, cls)
 
 
 def IPC_marshall(formatter: Optional[FORMATTER_PTR], data: Any,
@@ -166,8 +169,8 @@ def IPC_unmarshallData(formatter: Optional[FORMATTER_PTR], bytearray: Any, objec
     if object is not None and is_structure:
         oclass = type(object)
     try:
-        style = Style(getattr(bytearray, "order", sys.byteorder), _Arrays.numpy)
-        data = formatter.converter.decode(content, style, oclass)
+        order = getattr(bytearray, "order", sys.byteorder)
+        data = formatter.converter.decode(content, order, _Arrays.numpy, oclass)
     except BadBytes:
         return None, fail(IPC_Wrong_Buffer_Length)
     return (data if object is None else formatter.converter.fill(object, data)), IPC_OK

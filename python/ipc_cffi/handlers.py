@@ -140,16 +140,21 @@ def forget_context(context: Any) -> None:
 
 # ------------------------------------------------------------------ the calls
 
+def _view(content: Any, length: int) -> memoryview:
+    """The bytes of a byte array of the library where they lie; they are freed with the view."""
+    owned = ffi.gc(content, lib.IPC_freeByteArray)
+    return memoryview(ffi.buffer(owned, length)).toreadonly()
+
+
 def taken(content: Any, length: int) -> Content:
-    """The bytes of a byte array of the library, which are freed with what is returned."""
+    """The bytes of a byte array of the library, which is not needed any more."""
     if content == ffi.NULL:
         return b""
     if length >= LARGE:
-        owned = ffi.gc(content, lib.IPC_freeByteArray)
-        return memoryview(ffi.buffer(owned, length)).toreadonly()
-    data = ffi.buffer(content, length)[:]
+        return _view(content, length)
+    data = bytes(ffi.buffer(content, length))
     lib.IPC_freeByteArray(content)
-    return bytes(data)
+    return data
 
 
 def run(handler: Handler, *arguments: Any) -> None:
@@ -163,7 +168,9 @@ def run(handler: Handler, *arguments: Any) -> None:
 @ffi.def_extern(onerror=handler_failed)  # type: ignore[untyped-decorator, unused-ignore]
 def py_message(instance: Any, content: Any, length: int, is_big_endian: int,
                number: int) -> None:
-    data = taken(content, length)
+    # The library frees what is copied here, and leaves the others to their view.
+    data = _view(content, length) if length >= LARGE else (
+        ffi.unpack(content, length) if length else b"")
     registration = _registrations.get(number)
     if registration is not None:
         registration.arrived(MSG_INSTANCE(instance), data, "big" if is_big_endian else "little")

@@ -18,13 +18,9 @@ from .errors import IPCError, raise_error, result
 class _Call:
     """A call that is under way in a thread, and what it has to hand on."""
 
-    __slots__ = ("outer", "failure", "lost", "enough")
-
-    def __init__(self, outer: Optional[_Call]) -> None:
-        self.outer = outer
-        self.failure: Optional[BaseException] = None
-        self.lost = False
-        self.enough: Optional[Callable[[], bool]] = None
+    failure: Optional[BaseException] = None
+    lost = False
+    enough: Optional[Callable[[], bool]] = None
 
 
 class _Thread(threading.local):
@@ -40,12 +36,14 @@ def waits(function: Callable[..., int], *arguments: Any,
 
     The wait ends early when enough() is true.
     """
-    call = _thread.call = _Call(_thread.call)
-    call.enough = enough
+    outer = _thread.call
+    call = _thread.call = _Call()
+    if enough is not None:
+        call.enough = enough
     try:
         number = function(*arguments)
     finally:
-        _thread.call = call.outer
+        _thread.call = outer
     if call.failure is not None:
         failure, call.failure = call.failure, None
         raise failure
@@ -61,7 +59,7 @@ def listen(function: Callable[..., int], *arguments: Any) -> IPC_RETURN_TYPE:
 
 
 #: Bytes of this number and more are not copied; a copy of fewer is quicker than a view of them.
-LARGE = 1 << 14
+LARGE = int(lib.GLUE_LARGE)
 
 
 def send(function: Callable[..., int], before: Tuple[Any, ...], length: int, content: Any,

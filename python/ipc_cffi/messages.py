@@ -2,18 +2,19 @@
 [manual 4.20 to 4.25, 4.37 to 4.41, 6.12]."""
 from __future__ import annotations
 
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 from ._ffi import ffi, lib
 from .arguments import Text, number_argument, text_argument, to_text
 from .bytearrays import IPC_VARCONTENT_TYPE, bytes_argument
-from .constants import (IPC_Error, IPC_FIXED_LENGTH, IPC_Null_Argument, IPC_OK,
+from .constants import (IPC_FIXED_LENGTH, IPC_No_Error, IPC_Null_Argument, IPC_OK,
                         IPC_RETURN_TYPE, IPC_VARIABLE_LENGTH)
-from .errors import fail, raise_error
-from .formatters import (FORMATTER_PTR, IPC_msgFormatter, ask_for_formatter, encode,
+from .errors import fail, raise_error, result
+from .formatters import (FORMATTER_PTR, IPC_msgFormatter, ask_for_formatter, encode, encoder,
                          formatter_at)
 from .handlers import MSG_INSTANCE
 from .library import LARGE, listen, send, waits
+from .values import Encoded
 
 
 def instance_argument(msgInstance: Any) -> Any:
@@ -107,27 +108,67 @@ def IPC_publishData(msgName: Text, data: Any) -> IPC_RETURN_TYPE:
     return publish_data(msgName, data)
 
 
+class _Outlet:
+    """What it takes to publish a message, as long as its format stays what it is."""
+
+    __slots__ = ("name", "pointer", "encode")
+
+    def __init__(self, name: Any) -> None:
+        lib.IPC_errno = IPC_No_Error
+        self.name = name
+        self.pointer = waits(lib.IPC_msgFormatter, name)
+        if self.pointer == ffi.NULL and lib.IPC_errno != IPC_No_Error:
+            raise Refused
+        self.encode: Callable[[Any], Encoded] = encoder(formatter_at(self.pointer))
+
+    def publish(self, content: Encoded) -> int:
+        """The library's result, or OTHER_FORMAT, and then nothing was sent."""
+        if len(content) < LARGE:
+            return waits(lib.glue_publish_as, self.name, self.pointer, len(content), bytes(content))
+        # Given back at once: what an exception keeps alive would not be otherwise.
+        with ffi.from_buffer(content) as view:
+            return waits(lib.glue_publish_as, self.name, self.pointer, len(content), view)
+
+
+#: By the names that the program uses, so many at most.
+_outlets: Dict[Text, _Outlet] = {}
+MAX_OUTLETS = 10000
+OTHER_FORMAT = int(lib.GLUE_OTHER_FORMAT)
+
+
+def _outlet(msgName: Text) -> _Outlet:
+    outlet = _Outlet(text_argument(msgName))
+    if len(_outlets) >= MAX_OUTLETS:
+        _outlets.clear()
+    if isinstance(msgName, (str, bytes)):
+        _outlets[msgName] = outlet
+    return outlet
+
+
 def publish_data(msgName: Text, data: Any,
                  tell: Optional[Callable[[int], Any]] = None) -> IPC_RETURN_TYPE:
     """The same; tells how many bytes are sent."""
-    return listen(_publish, text_argument(msgName), data, tell)
-
-
-def _publish(name: Any, data: Any, tell: Optional[Callable[[int], Any]]) -> int:
-    """One call of the library for what waits, as this is what programs do most."""
-    lib.IPC_errno = 0
-    pointer = lib.IPC_msgFormatter(name)
-    if pointer == ffi.NULL and lib.IPC_errno:
-        return IPC_Error
-    content = encode(formatter_at(pointer), data)
-    if len(content) >= LARGE:
-        with ffi.from_buffer(content) as view:
-            result = int(lib.IPC_publish(name, len(content), view))
-    else:
-        result = int(lib.IPC_publish(name, len(content), bytes(content) if content else ffi.NULL))
-    if tell is not None and result == IPC_OK:
+    try:
+        content, number = _publish_again(msgName, data)
+        while number == OTHER_FORMAT:
+            outlet = _outlet(msgName)
+            content = outlet.encode(data)
+            number = outlet.publish(content)
+    except Refused:
+        return raise_error()
+    if tell is not None and number == IPC_OK:
         tell(len(content))
-    return result
+    return result(number)
+
+
+def _publish_again(msgName: Text, data: Any) -> Tuple[Encoded, int]:
+    """Publishes as the last time: this is what programs do most."""
+    try:
+        outlet = _outlets[msgName]
+        content = outlet.encode(data)
+    except Exception:  # the first time, or the message has another format by now, or data are wrong
+        return b"", OTHER_FORMAT
+    return content, outlet.publish(content)
 
 
 # ------------------------------------------------------------------- instances

@@ -296,8 +296,10 @@ def _builder(fields: Fields) -> Builder:
                                      if name is not None})
     names = tuple(fields.name(index) for index in range(count))
     if _takes_attributes_plainly(cls, names):
+        make = _plain_maker(cls)
+
         def build(values: List[Any]) -> Any:
-            record = cls()
+            record = make(cls)
             record.__dict__.update(zip(names, values))
             return record
         return build
@@ -308,6 +310,14 @@ def _builder(fields: Fields) -> Builder:
             setattr(record, name, value)
         return record
     return build_by_setting
+
+
+def _plain_maker(cls: type) -> Callable[[type], Any]:
+    """What makes an empty object of the class: without a call of __init__ that would do nothing."""
+    new: Any = object.__new__
+    plain: Tuple[Any, ...] = (object.__init__, IPCdata.__init__)
+    does_nothing = getattr(cls, "__new__") is new and getattr(cls, "__init__") in plain
+    return new if does_nothing else lambda cls: cls()
 
 
 def _takes_attributes_plainly(cls: type, names: Sequence[str]) -> bool:

@@ -125,4 +125,4 @@ def test_formats_as_deep_as_the_library_allows(ipc):
         converter = ipc.IPC_parseFormat(text).converter
         content = bytes(converter.encode(value))
         assert content[-4:] == (5).to_bytes(4, ipc.formatters.sys.byteorder)
-        assert converter.decode(content, ipc.formatters.Style()) is not None
+        assert converter.decode(content) is not None

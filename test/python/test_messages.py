@@ -180,6 +180,29 @@ def test_data_that_do_not_fit_are_not_sent(module):
     assert [data.f0 for data in got.data] == [2]
 
 
+def test_data_follow_the_format_that_the_message_has_now(module, start_central):
+    got = Got()
+    define(module, "m", "int")
+    module.IPC_subscribeData("m", got)
+    first = module.IPC_getContext()
+    assert module.IPC_publishData("m", 5) == module.IPC_OK
+    module.IPC_connectModule("other", start_central().address)
+    with pytest.raises(module.IPCError):
+        module.IPC_publishData("m", 5)
+    define(module, "m", "{int, string}")
+    module.IPC_subscribeData("m", got)
+    assert module.IPC_publishData("m", (6, "six")) == module.IPC_OK
+    with pytest.raises(TypeError, match="expected a structure, got 7"):
+        module.IPC_publishData("m", 7)
+    with pytest.raises(TypeError, match="a name has to be str or bytes, not list"):
+        module.IPC_publishData([], 7)
+    module.IPC_setContext(first)
+    assert module.IPC_publishData("m", 8) == module.IPC_OK
+    listen_until(lambda: len(got) == 3)
+    assert [data for data in got.data if isinstance(data, int)] == [5, 8]
+    assert [(data.f0, data.f1) for data in got.data if not isinstance(data, int)] == [(6, "six")]
+
+
 def test_subscribing_before_the_definition_delivers(module, program):
     got = Got()
     module.IPC_subscribeData("later", got)

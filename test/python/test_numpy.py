@@ -8,7 +8,6 @@ import pytest
 from python.tools import decoded, encoded, ipc as IPC, listen_until
 
 numpy = pytest.importorskip("numpy")
-Style = IPC.formatters.Style
 OTHER = "big" if sys.byteorder == "little" else "little"
 
 pytestmark = pytest.mark.usefixtures("ipc")
@@ -18,7 +17,7 @@ DTYPES = {"byte": "i1", "ubyte": "u1", "short": "i2", "ushort": "u2", "int": "i4
 
 
 def as_array(text, content, order=sys.byteorder, cls=None):
-    return IPC.IPC_parseFormat(text).converter.decode(content, Style(order, True), cls)
+    return IPC.IPC_parseFormat(text).converter.decode(content, order, True, cls)
 
 
 @pytest.mark.parametrize("name, dtype", DTYPES.items())

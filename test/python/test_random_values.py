@@ -123,8 +123,7 @@ def test_damaged_bytes_are_an_error_or_a_value(case, data):
             content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
     content = bytes(content[:data.draw(st.integers(0, len(content)))])
     try:
-        converter.decode(content, IPC.formatters.Style(
-            data.draw(st.sampled_from(["little", "big"]))))
+        converter.decode(content, data.draw(st.sampled_from(["little", "big"])))
     except IPC.formatters.BadBytes:
         pass
 

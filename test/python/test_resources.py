@@ -97,8 +97,7 @@ def test_conversion_is_quick(ipc, text, value, encoding, decoding):
     times = max(1, 20000 // (len(content) + 20))
     assert best(lambda: converter.encode(value), times) < encoding * SLOW
     if decoding is not None:
-        assert best(lambda: converter.decode(content, ipc.formatters.Style(), Record),
-                    times) < decoding * SLOW
+        assert best(lambda: converter.decode(content, cls=Record), times) < decoding * SLOW
     assert decoded(text, content) is not None
 
 

@@ -9,7 +9,6 @@ from python.tools import ipc, plain
 from python.vectors import generated, load, python_value
 
 CASES = load("cases")["cases"]
-Style = ipc.formatters.Style
 ORDERS = {"little": "little_endian", "big": "big_endian"}
 
 
@@ -85,9 +84,9 @@ def test_cases(case, format_of):
         assert same_bytes(content, case[ORDERS[sys.byteorder]]), content.hex()[:200]
     for order, name in ORDERS.items():
         if "hex" in case[name]:
-            data = converter.decode(bytes.fromhex(case[name]["hex"]), Style(order))
+            data = converter.decode(bytes.fromhex(case[name]["hex"]), order)
         elif order == sys.byteorder:
-            data = converter.decode(content, Style(order))
+            data = converter.decode(content, order)
         else:
             continue
         assert same(data, arrived), (order, plain(data), arrived)

@@ -9,8 +9,8 @@ A format's tree is compiled into codecs, one for each node:
     structures   structures, pointers, linked lists
     compiler     makes the codecs of a tree; Converter is what the rest of the package uses
 """
-from .codec import Content, Style
-from .compiler import Converter
+from .codec import Content
+from .compiler import Converter, Encoded
 from .misfit import BadBytes
 
-__all__ = ["BadBytes", "Content", "Converter", "Style"]
+__all__ = ["BadBytes", "Content", "Converter", "Encoded"]

@@ -29,6 +29,10 @@ class Codec:
     #: The smallest number of bytes that a value takes.
     least: int
 
+    #: Packs the usual values of a node at once; raises anything for others, which encode() knows.
+    #: None if there is no such way.
+    pack: Optional[Callable[[Any], bytes]] = None
+
     def encode(self, value: Any, out: bytearray) -> None:
         """Appends the bytes of the value, in this host's order; raises Misfit."""
         raise NotImplementedError

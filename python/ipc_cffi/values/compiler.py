@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 import struct
-from typing import Any, Dict, List, Optional, Tuple, Union
+import sys
+from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 from .. import tree
 from .arrays import FixedArray
@@ -10,6 +11,9 @@ from .codec import Codec, Content, Reader, Style
 from .misfit import BadBytes, Misfit, expected
 from .scalars import RawBytes, Scalar, enumeration, primitive
 from .structures import (MemberStep, Pointer, ScalarStep, SelfStep, Step, Structure, VariableStep)
+
+#: Bytes of a value, perhaps its own.
+Encoded = Union[bytes, bytearray, memoryview]
 
 #: What a frame can hold.
 LARGEST = 256 * 1024 * 1024 - 8
@@ -62,6 +66,15 @@ def _compile_structure(node: tree.Structure) -> Structure:
     return Structure(steps, len(node.members), least)
 
 
+def _decoder(read: Reader) -> Callable[[Content], Any]:
+    def decode(data: Content) -> Any:
+        try:
+            return read(data, 0)[0]
+        except (struct.error, IndexError, MemoryError):
+            raise BadBytes from None
+    return decode
+
+
 class Converter:
     """Encodes and decodes the values of one format."""
 
@@ -69,14 +82,20 @@ class Converter:
         self.tree = node
         self.text = tree.format_text(node)
         self.codec = compile_type(node)
-        self._readers: Dict[Tuple[Style, Optional[type]], Reader] = {}
+        self._pack = self.codec.pack
+        self._decoders: Dict[Tuple[str, bool, Optional[type]], Callable[[Content], Any]] = {}
 
-    def encode(self, value: Any) -> Union[bytearray, memoryview]:
+    def encode(self, value: Any) -> Encoded:
         """The bytes of a value in this host's order; of an array perhaps its own.
 
         Raises TypeError, ValueError, OverflowError or AttributeError if it does not fit; the text
         says where.
         """
+        if self._pack is not None:
+            try:
+                return self._pack(value)
+            except Exception:  # it is looked at member by member
+                pass
         block = self.codec.block(value) if isinstance(self.codec, FixedArray) else None
         out = self._encode(value) if block is None else block
         if len(out) > LARGEST:
@@ -98,15 +117,19 @@ class Converter:
             return type(value).__name__
         return "data"
 
-    def decode(self, data: Content, style: Style, cls: Optional[type] = None) -> Any:
-        """The value of bytes in that style, with cls for its structures; raises BadBytes."""
-        read = self._readers.get((style, cls))
-        if read is None:
-            read = self._readers[style, cls] = self.codec.reader(style, cls)
-        try:
-            return read(data, 0)[0]
-        except (struct.error, IndexError, MemoryError):
-            raise BadBytes from None
+    def decoder(self, order: str, numpy: bool, cls: Optional[type]) -> Callable[[Content], Any]:
+        """What makes values of bytes in that order, with cls for their structures; it raises
+        BadBytes."""
+        found = self._decoders.get((order, numpy, cls))
+        if found is None:
+            found = self._decoders[order, numpy, cls] = _decoder(
+                self.codec.reader(Style(order, numpy), cls))
+        return found
+
+    def decode(self, data: Content, order: str = sys.byteorder, numpy: bool = False,
+               cls: Optional[type] = None) -> Any:
+        """The value of bytes."""
+        return self.decoder(order, numpy, cls)(data)
 
     def fill(self, target: Any, decoded: Any) -> Any:
         """Puts a decoded value into an existing structure or list, and returns that."""

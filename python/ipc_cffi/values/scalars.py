@@ -35,6 +35,10 @@ class Scalar(Codec):
         self.least = struct.calcsize("=" + code)
         self._pack = struct.Struct(NATIVE + code).pack
 
+    @property
+    def pack(self) -> Optional[Callable[[Any], bytes]]:  # type: ignore[override]
+        return self._pack if self.to_wire is None else None
+
     def encode(self, value: Any, out: bytearray) -> None:
         if self.to_wire is not None:
             value = self.to_wire(value)

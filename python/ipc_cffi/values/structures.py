@@ -77,17 +77,18 @@ class ScalarStep(Step):
         self.first, self.count = first, len(codecs)
         self._codecs = codecs
         self._codes = "".join(codec.code for codec in codecs)
-        self._pack = struct.Struct(NATIVE + self._codes).pack
-        self._to_wire = [(index, codec.to_wire) for index, codec in enumerate(codecs)
-                         if codec.to_wire is not None]
+        #: All members at once, if struct itself refuses what is wrong.
+        self.pack: Optional[Callable[..., bytes]] = None
+        if all(codec.to_wire is None for codec in codecs):
+            self.pack = struct.Struct(NATIVE + self._codes).pack
         self._from_wire = [(index, codec.from_wire) for index, codec in enumerate(codecs)
                            if codec.from_wire is not None]
 
     def encode(self, values: Sequence[Any], out: bytearray, names: Fields) -> None:
         numbers = values[self.first:self.first + self.count]
-        if not self._to_wire:
+        if self.pack is not None:
             try:
-                out += self._pack(*numbers)
+                out += self.pack(*numbers)
                 return
             except Exception:  # the members are looked at one by one
                 pass
@@ -250,6 +251,18 @@ class SelfStep(Step):
 
 # ------------------------------------------------------------------ structures
 
+def _packer(step: ScalarStep, count: int) -> Optional[Callable[[Any], bytes]]:
+    """Packs structures of scalars."""
+    pack = step.pack
+    if pack is None:
+        return None
+
+    def pack_structure(value: Any) -> bytes:
+        kind = type(value)
+        return pack(*(value if kind is tuple or kind is list else members_of(value, count)))
+    return pack_structure
+
+
 class Structure(Codec):
     """A structure."""
 
@@ -259,6 +272,8 @@ class Structure(Codec):
         self.least = least
         self._variable = [step for step in steps if isinstance(step, VariableStep)]
         self._has_self = any(isinstance(step, SelfStep) for step in steps)
+        if len(steps) == 1 and isinstance(steps[0], ScalarStep):
+            self.pack = _packer(steps[0], count)
         self._plans: Dict[Tuple[Style, Fields], _Plan] = {}
 
     # -------------------------------------------------------------- encoding
@@ -331,10 +346,14 @@ class Structure(Codec):
 
     def reader(self, style: Style, cls: Optional[type]) -> Reader:
         # Made when the first one is read: a class may be its own member's class.
-        chosen = cls or IPCdata
+        chosen: Any = cls or IPCdata
+        plan: Optional[_Plan] = None
 
         def read(data: Content, at: int) -> Tuple[Any, int]:
-            return self.plan(style, fields_of(chosen, self._count)).read(data, at)
+            nonlocal plan
+            if plan is None or plan.fields.declared is not getattr(chosen, "_fields", None):
+                plan = self.plan(style, fields_of(chosen, self._count))
+            return plan.read(data, at)
         return read
 
     def plan(self, style: Style, fields: Fields) -> _Plan:
@@ -403,17 +422,27 @@ class _Plan:
     def __init__(self, structure: Structure, style: Style, fields: Fields) -> None:
         self._structure = structure
         self._style = style
-        self._fields = fields
+        self.fields = fields
         self.build = builder(fields.cls, structure.count)
         self.reads = [None if isinstance(step, SelfStep) else step.reader(style, fields)
                       for step in structure.steps]
         self.variable = structure.variable
-        self.read = self._read_linked if structure.has_self else self._read_plain
+        if structure.has_self:
+            self.read = self._read_linked
+        elif len(self.reads) == 1 and not self.variable:
+            self.read = self._read_one_step
+        else:
+            self.read = self._read_plain
 
     def _complete(self, values: List[Any]) -> Any:
         for step in self.variable:
             step.put_into_shape(values)
         return self.build(values)
+
+    def _read_one_step(self, data: Content, at: int) -> Tuple[Any, int]:
+        values: List[Any] = []
+        at = self.reads[0](data, at, values)  # type: ignore[misc]
+        return self.build(values), at
 
     def _read_plain(self, data: Content, at: int) -> Tuple[Any, int]:
         values: List[Any] = []
@@ -423,7 +452,7 @@ class _Plan:
 
     def child(self, index: int) -> _Plan:
         """The plan of the structure that a self pointer leads to: of its own class by default."""
-        cls = self._fields.class_of(index)
+        cls = self.fields.class_of(index)
         return self if cls is None else self._structure.plan(
             self._style, fields_of(cls, self._structure.count))
 
