@@ -5,6 +5,7 @@ NumPy is used where the program uses it; it is never imported here.
 from __future__ import annotations
 
 import array
+import functools
 import struct
 import sys
 from typing import Any, Optional, Sequence, Tuple
@@ -22,8 +23,10 @@ def typecode(code: str) -> str:
     return letter if code.islower() else letter.upper()
 
 
-def _same_formats(code: str) -> Tuple[str, ...]:
+@functools.lru_cache(maxsize=None)
+def _same_formats(letter: str) -> Tuple[str, ...]:
     """All letters that mean numbers of that kind and size here."""
+    code = typecode(letter)
     if code in "fd":
         return (code,)
     size = array.array(code).itemsize
@@ -45,20 +48,26 @@ def block_of(element: Scalar, values: Any, dimensions: Sequence[int]) -> Optiona
     are not what is needed."""
     if isinstance(values, (list, tuple)):
         return None
+    block = _block_of_buffer(element, values, tuple(dimensions))
     numpy = sys.modules.get("numpy")
-    if numpy is not None and isinstance(values, numpy.ndarray):
+    if block is None and numpy is not None and isinstance(values, numpy.ndarray):
         return _block_of_numpy(numpy, element, values, dimensions)
+    return block
+
+
+def _block_of_buffer(element: Scalar, values: Any,
+                     dimensions: Tuple[int, ...]) -> Optional[memoryview]:
     if element.to_wire is not None:
         return None
     try:
         view = memoryview(values)
-    except TypeError:
+    except (TypeError, ValueError):
         return None
     shape = view.shape or ()
-    if (shape[:1] < tuple(dimensions[:1]) or shape[1:] != tuple(dimensions[1:])
-            or view.format not in _same_formats(typecode(element.code))):
+    if view.format not in _same_formats(element.code) or (
+            shape != dimensions and (shape[:1] < dimensions[:1] or shape[1:] != dimensions[1:])):
         return None
-    part = view[:dimensions[0]]
+    part = view if shape == dimensions else view[:dimensions[0]]
     return part.cast("B") if part.c_contiguous and part.nbytes else memoryview(part.tobytes())
 
 
