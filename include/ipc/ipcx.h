@@ -150,6 +150,29 @@ IPC_RETURN_TYPE IPCx_unsubscribeConnection(IPCX_CONNECTION_HANDLER handler);
  */
 void IPCx_setGiveUp(int (*giveUp)(void));
 
+/* ------------------------------------------------------------------- texts */
+
+/* What a text of the library is, and where it is written if nobody takes it. */
+typedef enum {
+    IPCX_TEXT_BANNER,  /* versions and connections: standard output */
+    IPCX_TEXT_WARNING, /* standard error */
+    IPCX_TEXT_ERROR    /* standard error */
+} IPCX_TEXT;
+
+/*
+ * text: a part of a line, or some lines with their line ends, as it would be written; valid until the
+ * function returns.  Called by any thread in the middle of a call of the library, of which the function
+ * itself may call nothing.
+ */
+typedef void (*IPCX_TEXT_HANDLER)(IPCX_TEXT kind, const char *text);
+
+/*
+ * Has the texts that the verbosity lets through handed to a function instead of written.  To be called
+ * while no other thread uses the library.
+ *   handler  NULL: they are written again
+ */
+void IPCx_setTextHandler(IPCX_TEXT_HANDLER handler);
+
 /* -------------------------------------------------------------------- data */
 
 /*

@@ -73,6 +73,9 @@ void IPC_freeByteArray(void *);
 IPC_RETURN_TYPE IPC_removeTimerByRef(TIMER_REF);
 
 #define GLUE_LARGE ...
+struct text { int kind; char bytes[]; ...; };
+void glue_keep_texts(int);
+struct text *glue_take_text(void);
 void glue_begin(void);
 void glue_end(void);
 IPC_RETURN_TYPE glue_subscribe(const char *, const char *, uintptr_t);

@@ -6,6 +6,7 @@
  */
 #include <ipc/ipcx.h>
 
+#include <pthread.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -101,6 +102,63 @@ static void glue_end(void)
     x_ipcRegisterExitProc(nothing);
     IPCx_setGiveUp(NULL);
 }
+
+/* --------------------------------------------------------------------- texts */
+
+enum { MAX_TEXTS = 1000 };
+
+/* A text of the library, until Python fetches it. */
+struct text {
+    struct text *next;
+    int kind; /* IPCX_TEXT */
+    char bytes[];
+};
+
+/* The library says something in the middle of its work, where nothing of Python must run. */
+static struct {
+    pthread_mutex_t lock;
+    struct text *first;
+    struct text *last;
+    int count;
+} texts = {PTHREAD_MUTEX_INITIALIZER, NULL, NULL, 0};
+
+static void keep_text(IPCX_TEXT kind, const char *bytes)
+{
+    const size_t size = strlen(bytes) + 1;
+    struct text *text = malloc(sizeof *text + size);
+    pthread_mutex_lock(&texts.lock);
+    if (text != NULL && texts.count < MAX_TEXTS) {
+        text->next = NULL;
+        text->kind = kind;
+        memcpy(text->bytes, bytes, size);
+        *(texts.first != NULL ? &texts.last->next : &texts.first) = text;
+        texts.last = text;
+        texts.count++;
+        text = NULL;
+    }
+    pthread_mutex_unlock(&texts.lock);
+    free(text);
+}
+
+static void glue_keep_texts(int on)
+{
+    IPCx_setTextHandler(on ? keep_text : NULL);
+}
+
+/* The oldest text, which the caller frees, and its kind; NULL: there is none. */
+static struct text *glue_take_text(void)
+{
+    pthread_mutex_lock(&texts.lock);
+    struct text *text = texts.first;
+    if (text != NULL) {
+        texts.first = text->next;
+        texts.count--;
+    }
+    pthread_mutex_unlock(&texts.lock);
+    return text;
+}
+
+/* ------------------------------------------------------------- subscriptions */
 
 static IPC_RETURN_TYPE glue_subscribe(const char *message, const char *handler, uintptr_t number)
 {

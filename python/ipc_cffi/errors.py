@@ -117,10 +117,17 @@ def result(number: int) -> IPC_RETURN_TYPE:
     return _RESULTS[number] if number != IPC_Error else raise_error()
 
 
+class Texts:
+    """Where texts go."""
+
+    are_captured = False  #: to the log only, see output.py
+
+
 def warn(text: str) -> None:
     """A warning, to where the library's warnings go, and to the logger ipc."""
     logger("ipc").warning("%s", text)
-    if _Verbosity.level >= IPC_Print_Warnings and sys.stderr is not None:
+    if (_Verbosity.level >= IPC_Print_Warnings and not Texts.are_captured
+            and sys.stderr is not None):
         sys.stderr.write(text + "\n")
 
 

@@ -12,7 +12,8 @@ from typing import Any, Callable, Optional, Tuple, Type
 
 from ._ffi import ffi, lib
 from .constants import IPC_Not_Connected, IPC_RETURN_TYPE
-from .errors import IPCError, raise_error, result
+from .errors import IPCError, Texts, raise_error, result
+from .output import log_texts
 
 
 class _Call:
@@ -44,6 +45,8 @@ def waits(function: Callable[..., int], *arguments: Any,
         number = function(*arguments)
     finally:
         _thread.call = outer
+    if Texts.are_captured:
+        log_texts()
     if call.failure is not None:
         failure, call.failure = call.failure, None
         raise failure
@@ -102,6 +105,8 @@ def py_give_up() -> int:
     # Signal handlers of Python run here, in the main thread, and may raise.
     for _ in range(2):
         pass
+    if Texts.are_captured:
+        log_texts()
     call = _thread.call
     if call is None:
         return 0

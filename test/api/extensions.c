@@ -11,6 +11,8 @@
 __attribute__((weak)) void IPCx_setGiveUp(int (*giveUp)(void));
 __attribute__((weak)) IPC_RETURN_TYPE IPCx_arrayInfo(BYTE_ARRAY byteArray, unsigned int *length,
                                                      int *isBigEndian);
+typedef enum { IPCX_TEXT_BANNER, IPCX_TEXT_WARNING, IPCX_TEXT_ERROR } IPCX_TEXT;
+__attribute__((weak)) void IPCx_setTextHandler(void (*handler)(IPCX_TEXT kind, const char *text));
 
 /* ------------------------------------------------------------------- giving up */
 
@@ -152,4 +154,39 @@ CHECK_NEW(the_library_tells_of_arrays_that_it_gave)
     EXPECT_ERROR(IPCx_arrayInfo(own, &length, &is_big_endian), IPC_Argument_Out_Of_Range);
     EXPECT_ERROR(IPCx_arrayInfo(NULL, &length, &is_big_endian), IPC_Null_Argument);
     (void)captured_stderr();
+}
+
+/* ----------------------------------------------------------------------- texts */
+
+static char texts[3][4096]; /* by their kind */
+
+static void keep_text(IPCX_TEXT kind, const char *text)
+{
+    strncat(texts[kind], text, sizeof texts[kind] - strlen(texts[kind]) - 1);
+}
+
+CHECK_NEW(texts_of_the_library_go_to_the_programs_function)
+{
+    static char long_name[500];
+    memset(long_name, 'n', sizeof long_name - 1);
+    struct central *central = central_start(NULL);
+    IPC_setVerbosity(IPC_Print_Errors);
+    capture();
+    IPCx_setTextHandler(keep_text);
+    EXPECT_OK(IPC_connectModule("A", central->address));
+    EXPECT_ERROR(IPC_publish(long_name, 0, NULL), IPC_Message_Not_Defined);
+    IPC_setVerbosity(IPC_Silent);
+    EXPECT_ERROR(IPC_publish("unknown", 0, NULL), IPC_Message_Not_Defined);
+    IPC_setVerbosity(IPC_Print_Errors);
+    IPCx_setTextHandler(NULL);
+    EXPECT_ERROR(IPC_publish("later", 0, NULL), IPC_Message_Not_Defined);
+    EXPECT_TEXT(captured_stderr(),
+                "ERROR: x_ipc_msgFind: Query for message later returned NULL.\n\n"
+                "ERROR: IPC message not defined\n");
+    EXPECT_TEXT(captured_stdout(), "");
+    EXPECT(strstr(texts[IPCX_TEXT_BANNER], "IPC Version") != NULL);
+    EXPECT(strstr(texts[IPCX_TEXT_WARNING], "IPC Connected on port") != NULL);
+    EXPECT(strstr(texts[IPCX_TEXT_ERROR], long_name) != NULL);
+    EXPECT(strstr(texts[IPCX_TEXT_ERROR], "ERROR: IPC message not defined\n") != NULL);
+    EXPECT(strstr(texts[IPCX_TEXT_ERROR], "unknown") == NULL);
 }

@@ -309,6 +309,33 @@ def test_failing_handlers_can_be_logged(ipc, central, caplog):
             connection.listen(PATIENCE)
 
 
+def test_what_the_library_says_can_be_logged(ipc, central, caplog, capfd):
+    def said():
+        return [(record.levelname, record.getMessage()) for record in caplog.records
+                if record.name == "ipc.lib"]
+
+    ipc.capture_output()
+    try:
+        with caplog.at_level(logging.INFO, "ipc.lib"), ipc.connect("m", central.address) as module:
+            assert [level for level, text in said() if "IPC Version" in text] == ["INFO"]
+            port = central.address.split(":")[1]
+            assert ("WARNING", f"... IPC Connected on port {port}") in said()
+            caplog.clear()
+            with pytest.raises(ipc.MessageNotDefined):
+                module.publish("unknown", 1)
+            assert said() == [
+                ("ERROR", "ERROR: x_ipc_msgFind: Query for message unknown returned NULL."),
+                ("ERROR", "ERROR: IPC message not defined")]
+            ipc.IPC_removeTimer(said)
+        assert capfd.readouterr() == ("", "")
+    finally:
+        ipc.capture_output(False)
+    caplog.clear()
+    ipc.IPC_removeTimer(said)
+    assert "does not exist" in capfd.readouterr().err
+    assert not said()
+
+
 def test_traffic_is_logged_if_wished(connection, caplog):
     connection.define("m", int)
     connection.subscribe("m", lambda message: None)

@@ -86,6 +86,11 @@ void IPCx_setGiveUp(int (*giveUp)(void))
     library_leave(library);
 }
 
+void IPCx_setTextHandler(IPCX_TEXT_HANDLER handler)
+{
+    report_to(handler);
+}
+
 IPC_RETURN_TYPE IPCx_arrayInfo(BYTE_ARRAY byteArray, unsigned int *length, int *isBigEndian)
 {
     if (byteArray == NULL || length == NULL || isBigEndian == NULL) {

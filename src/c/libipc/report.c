@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #include "base/error.h"
+#include "base/text.h"
 
 /* The API's own globals.  Old programs read and write them directly. */
 IPC_ERROR_TYPE IPC_errno = IPC_No_Error;
@@ -50,11 +51,43 @@ IPC_ERROR_TYPE report_code(int error)
     }
 }
 
-static void print(FILE *stream, IPC_VERBOSITY_TYPE from, const char *text, va_list values)
+/* ---------------------------------------------------------------------- texts */
+
+/* As the verbosity, a choice of the program for all that the library says. */
+static IPCX_TEXT_HANDLER text_handler;
+
+void report_to(IPCX_TEXT_HANDLER handler)
 {
-    if (ipcVerbosity >= from) {
-        vfprintf(stream, text, values);
-        fflush(stream);
+    text_handler = handler;
+}
+
+static void write_text(IPCX_TEXT kind, const char *format, va_list values)
+{
+    FILE *stream = kind == IPCX_TEXT_BANNER ? stdout : stderr;
+    vfprintf(stream, format, values);
+    fflush(stream);
+}
+
+static void hand_over_text(IPCX_TEXT kind, const char *format, va_list values)
+{
+    struct buffer text;
+    buffer_init(&text);
+    text_append_list(&text, format, values);
+    if (buffer_append(&text, "", 1) == 0) {
+        text_handler(kind, (const char *)text.bytes);
+    }
+    buffer_fini(&text);
+}
+
+static void say(IPCX_TEXT kind, const char *format, va_list values)
+{
+    if (ipcVerbosity < (kind == IPCX_TEXT_ERROR ? IPC_Print_Errors : IPC_Print_Warnings)) {
+        return;
+    }
+    if (text_handler != NULL) {
+        hand_over_text(kind, format, values);
+    } else {
+        write_text(kind, format, values);
     }
 }
 
@@ -62,7 +95,7 @@ void report_warning(const char *text, ...)
 {
     va_list values;
     va_start(values, text);
-    print(stderr, IPC_Print_Warnings, text, values);
+    say(IPCX_TEXT_WARNING, text, values);
     va_end(values);
 }
 
@@ -70,13 +103,13 @@ void report_banner(const char *text, ...)
 {
     va_list values;
     va_start(values, text);
-    print(stdout, IPC_Print_Warnings, text, values);
+    say(IPCX_TEXT_BANNER, text, values);
     va_end(values);
 }
 
 void report_note_values(const char *text, va_list values)
 {
-    print(stderr, IPC_Print_Errors, text, values);
+    say(IPCX_TEXT_ERROR, text, values);
 }
 
 void report_note(const char *text, ...)

@@ -11,6 +11,7 @@
 
 #include "base/printf.h"
 #include "ipc/ipc.h"
+#include "ipc/ipcx.h"
 
 /* The API's own globals (IPC_errno is declared in ipc.h).  The library shows them to programs that
  * declare them by hand. */
@@ -25,6 +26,9 @@ extern const char *ipcErrorStrings[NUM_ERRORS]; /* texts of IPC_errno */
 
 /* IPC_ERROR_TYPE of a code of the layers below. */
 IPC_ERROR_TYPE report_code(int error);
+
+/* Who takes what is said below, instead of the standard streams; NULL: nobody. */
+void report_to(IPCX_TEXT_HANDLER handler);
 
 /* Prints on standard error at IPC_Print_Warnings and up.  May be called with the lock held. */
 void report_warning(const char *text, ...) LIKE_PRINTF(1, 2);
