@@ -218,6 +218,7 @@ class Zmq:
     def socket(context, folder, name, kind, publishes):
         import zmq
         sock = context.socket(zmq.XPUB if publishes else zmq.SUB)
+        sock.setsockopt(zmq.LINGER, PATIENCE * 1000)  # what is not read yet stays after the end
         sock.setsockopt(zmq.SNDHWM if publishes else zmq.RCVHWM, 4 if kind == "image" else 1000)
         if publishes:
             sock.setsockopt(zmq.XPUB_NODROP, 1)

@@ -257,9 +257,18 @@ def _packer(step: ScalarStep, count: int) -> Optional[Callable[[Any], bytes]]:
     if pack is None:
         return None
 
+    known: Dict[type, Fields] = {}
+
     def pack_structure(value: Any) -> bytes:
         kind = type(value)
-        return pack(*(value if kind is tuple or kind is list else members_of(value, count)))
+        if kind is tuple or kind is list:
+            return pack(*value)
+        if kind is dict:
+            return pack(*members_of(value, count))
+        fields = known.get(kind)
+        if fields is None or fields.declared is not getattr(kind, "_fields", None):
+            fields = known[kind] = fields_of(kind, count)
+        return pack(*fields.get(value))
     return pack_structure
 
 
