@@ -112,12 +112,14 @@ int free_port(void)
 {
     struct sockaddr_in address = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     socklen_t length = sizeof address;
+    const int on = 1;
     const int fd = socket(AF_INET, SOCK_STREAM, 0);
+    /* It stays open, so that nobody else is given the port; the option lets a central have it. */
     if (fd < 0 || bind(fd, (struct sockaddr *)&address, length) != 0 ||
-        getsockname(fd, (struct sockaddr *)&address, &length) != 0) {
+        getsockname(fd, (struct sockaddr *)&address, &length) != 0 ||
+        setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0) {
         give_up("no free port");
     }
-    close(fd);
     return ntohs(address.sin_port);
 }
 
@@ -168,31 +170,21 @@ static void run_central(const struct central *central, const char *option)
     _exit(127);
 }
 
-static pid_t fork_central(const struct central *central, const char *option)
-{
-    const pid_t pid = fork();
-    if (pid == 0) {
-        run_central(central, option);
-    }
-    return pid;
-}
-
 struct central *central_start_on(int port, const char *option)
 {
     struct central *central = &state.centrals[state.n_centrals++];
     central->port = port;
     snprintf(central->address, sizeof central->address, "localhost:%d", port);
-    central->pid = fork_central(central, option);
+    central->pid = fork();
+    if (central->pid == 0) {
+        run_central(central, option);
+    }
     const long end = now_ms() + 2 * PATIENCE_MS;
     while (!is_ready(central)) {
         if (now_ms() > end) {
             give_up("central does not start");
         }
         sleep_ms(5);
-        /* Somebody may have been given the port for a moment, to connect from. */
-        if (waitpid(central->pid, NULL, WNOHANG) == central->pid) {
-            central->pid = fork_central(central, option);
-        }
     }
     return central;
 }
