@@ -8,6 +8,7 @@
 #include "base/block.h"
 
 #include <assert.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,6 +49,22 @@ struct block *block_adopt(uint8_t *bytes, size_t length)
     return block;
 }
 
+static bool is_adopted(const struct block *block)
+{
+    return block->bytes != (const uint8_t *)(block + 1);
+}
+
+uint8_t *block_take(struct block *block)
+{
+    if (block->references > 1 || !is_adopted(block)) {
+        return NULL;
+    }
+    uint8_t *bytes = block->bytes;
+    block->bytes = NULL;
+    block->length = 0;
+    return bytes;
+}
+
 struct block *block_ref(struct block *block)
 {
     block->references++;
@@ -63,7 +80,7 @@ void block_unref(struct block *block)
     if (--block->references > 0) {
         return;
     }
-    if (block->bytes != (uint8_t *)(block + 1)) {
+    if (is_adopted(block)) {
         free(block->bytes);
     }
     free(block);

@@ -26,6 +26,10 @@ struct block *block_copy(const void *bytes, size_t length);
 /* Takes over a malloc block; NULL (and bytes still the caller's) when memory is out. */
 struct block *block_adopt(uint8_t *bytes, size_t length);
 
+/* Takes the bytes out of an adopted block that nobody else refers to: they are the caller's malloc block
+ * then, and the block has none.  NULL: it is no such block. */
+uint8_t *block_take(struct block *block);
+
 struct block *block_ref(struct block *block);
 
 /* Gives one reference back; the last one frees.  NULL is fine. */

@@ -19,18 +19,25 @@
 /* A connection that does not stop to send is left now and then, so that others get their turn. */
 enum { MAX_READS = 64 };
 
-/* A malloc copy of bytes, NULL for none of them: 0 or ERR_MEMORY. */
-static int copy_bytes(const uint8_t *bytes, size_t length, uint8_t **copy)
+/* Bytes of a frame in a malloc block, NULL for none of them: 0 or ERR_MEMORY.  The memory of a large
+ * frame is used again, so that the frame has no bytes after that. */
+static int take_bytes(const struct frame *frame, const uint8_t *bytes, size_t length,
+                      uint8_t **taken)
 {
-    *copy = NULL;
+    *taken = NULL;
     if (length == 0) {
         return 0;
     }
-    *copy = malloc(length);
-    if (*copy == NULL) {
+    if (frame->block != NULL) {
+        *taken = block_take(frame->block);
+    }
+    if (*taken == NULL) {
+        *taken = malloc(length);
+    }
+    if (*taken == NULL) {
         return ERR_MEMORY;
     }
-    memcpy(*copy, bytes, length);
+    memmove(*taken, bytes, length);
     return 0;
 }
 
@@ -101,7 +108,7 @@ static int take_reply(struct _X_IPC_CONTEXT *context, const struct frame *frame)
     size_t name_length;
     const char *name = class_text(frame, &name_length);
     awaited->name = name != NULL ? mem_copy_text(name, name_length) : NULL;
-    const int error = copy_bytes(frame->data, frame->data_length, &awaited->data);
+    const int error = take_bytes(frame, frame->data, frame->data_length, &awaited->data);
     if (!awaited->notify) {
         return error;
     }
@@ -146,7 +153,7 @@ static int take_content(struct instance *instance, const struct frame *frame)
         length = frame->data_length;
     }
     instance->length = length;
-    return copy_bytes(content, length, &instance->content);
+    return take_bytes(frame, content, length, &instance->content);
 }
 
 /* What a handler of the user gets; peer: who sent it directly, NULL for central. */

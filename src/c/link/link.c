@@ -31,6 +31,7 @@ void link_init(struct link *link, int fd, enum frame_origin incoming)
 {
     memset(link, 0, sizeof *link);
     link->fd = fd;
+    link->acknowledges = true;
     reader_init(&link->reader, incoming);
 }
 
@@ -69,8 +70,8 @@ int link_read(struct link *link, bool *more)
     const ptrdiff_t n = net_read(link->fd, space, room);
     if (n > 0) {
         reader_filled(&link->reader, (size_t)n);
-        if (link->reader.large_bytes != NULL) {
-            net_acknowledge(link->fd);
+        if (link->reader.large_bytes != NULL && link->acknowledges) {
+            link->acknowledges = net_acknowledge(link->fd);
         }
         if (more != NULL) {
             *more = (size_t)n == room;

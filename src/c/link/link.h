@@ -22,7 +22,8 @@
 struct link_piece; /* one run of outgoing bytes */
 
 struct link {
-    int fd; /* owned; -1: none */
+    int fd;            /* owned; -1: none */
+    bool acknowledges; /* until it is found that its socket does not (net_acknowledge) */
     struct reader reader;
     struct link_piece *pieces; /* ring of what waits, owned */
     size_t n_slots;            /* a power of two */

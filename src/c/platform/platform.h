@@ -84,8 +84,8 @@ struct net_slice {
 ptrdiff_t net_read(int fd, void *bytes, size_t room);
 
 /* Tells the sender at once what has been read, where the system would wait for more to say first: a
- * sender with a small buffer waits for that meanwhile. */
-void net_acknowledge(int fd);
+ * sender with a small buffer waits for that meanwhile.  false: there is nothing like that here. */
+bool net_acknowledge(int fd);
 
 /* Number of bytes written, 0 when the kernel takes none now, ERR_CLOSED, ERR_IO. */
 ptrdiff_t net_write(int fd, const struct net_slice *slices, size_t n_slices);

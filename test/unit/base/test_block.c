@@ -54,6 +54,27 @@ static void an_adopted_block_keeps_the_address(void **state)
     block_unref(block);
 }
 
+static void bytes_of_an_adopted_block_can_be_taken_by_its_only_owner(void **state)
+{
+    (void)state;
+    uint8_t *bytes = malloc(3);
+    assert_non_null(bytes);
+    struct block *block = block_adopt(bytes, 3);
+    assert_non_null(block);
+    block_ref(block);
+    assert_null(block_take(block));
+    block_unref(block);
+    assert_ptr_equal(block_take(block), bytes);
+    assert_null(block->bytes);
+    assert_int_equal(block->length, 0);
+    block_unref(block);
+    free(bytes);
+    block = block_copy("abc", 3);
+    assert_null(block_take(block));
+    assert_memory_equal(block->bytes, "abc", 3);
+    block_unref(block);
+}
+
 static void only_the_last_reference_frees(void **state)
 {
     (void)state;
@@ -79,6 +100,7 @@ int main(void)
         cmocka_unit_test(a_copy_is_independent_of_its_source),
         cmocka_unit_test(a_block_may_be_empty),
         cmocka_unit_test(an_adopted_block_keeps_the_address),
+        cmocka_unit_test(bytes_of_an_adopted_block_can_be_taken_by_its_only_owner),
         cmocka_unit_test(only_the_last_reference_frees),
         cmocka_unit_test(an_impossible_length_gives_null),
     };

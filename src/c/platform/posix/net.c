@@ -328,13 +328,15 @@ int net_connect_local(const char *path, int *fd)
 
 /* -------------------------------------------------------- reading, writing */
 
-void net_acknowledge(int fd)
+bool net_acknowledge(int fd)
 {
 #if defined(TCP_QUICKACK)
     const int on = 1;
-    (void)setsockopt(fd, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on); /* a Unix socket has none */
+    /* No Unix socket has it. */
+    return setsockopt(fd, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on) == 0;
 #else
     (void)fd;
+    return false;
 #endif
 }
 

@@ -224,9 +224,10 @@ static int failure_of_connection(void)
     }
 }
 
-void net_acknowledge(int fd)
+bool net_acknowledge(int fd)
 {
-    (void)fd; /* Windows has no such request */
+    (void)fd;
+    return false; /* Windows has no such request */
 }
 
 ptrdiff_t net_read(int fd, void *bytes, size_t room)
