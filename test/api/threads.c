@@ -321,22 +321,30 @@ static void *publish_until_stopped(void *argument)
     return NULL;
 }
 
+static void count(MSG_INSTANCE instance, BYTE_ARRAY content, void *client_data)
+{
+    (void)instance;
+    (void)client_data;
+    IPC_freeByteArray(content);
+    add(&n_received, 1);
+}
+
 CHECK_NEW(threads_may_define_and_subscribe_while_others_listen_and_publish)
 {
     pthread_t threads[4];
     connected();
     define_int("m");
-    IPC_subscribe("m", note_a, "");
+    IPC_subscribe("m", count, NULL);
     threads[0] = thread_start(use_names, "x");
     threads[1] = thread_start(use_names, "y");
     threads[2] = thread_start(listen_until_stopped, NULL);
     threads[3] = thread_start(publish_until_stopped, NULL);
     pthread_join(threads[0], NULL);
     pthread_join(threads[1], NULL);
+    EXPECT(becomes(&n_received, 1));
     add(&stop, 1);
     pthread_join(threads[2], NULL);
     pthread_join(threads[3], NULL);
-    EXPECT(n_recorded() > 0);
 }
 
 /* ---------------------------------------------------------------- while others are busy */

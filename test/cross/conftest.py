@@ -2,6 +2,7 @@
 import functools
 import itertools
 import os
+import pathlib
 import struct
 
 import pytest
@@ -14,6 +15,20 @@ from support.processes import Central, is_sanitized
 HERE = "x86-64"
 ORIGINAL = "CMU IPC"
 PARTS = ("unit", "wire", "formats", "conversation")
+
+
+FOLDER = pathlib.Path(__file__).parent
+_open_machines = []
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown(item, nextitem):
+    """Machines end with the last test of this folder: what serves the programs of one may be busy
+    as long as it lives."""
+    del item
+    if nextitem is None or FOLDER not in nextitem.path.parents:
+        while _open_machines:
+            _open_machines.pop().close()
 
 
 class Here:
@@ -53,7 +68,7 @@ def machine(build_directory, request, central_program, library, compiler):
             machine = Machine(PLATFORMS[name], os.path.join(build_directory, "cross", name))
         except Missing as missing:
             return missing
-        request.addfinalizer(machine.close)
+        _open_machines.append(machine)
         return machine
 
     def get(name):
