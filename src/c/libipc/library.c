@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The one mutable static of the library; everything else is reached from here. */
+/* The library's mutable static: everything is reached from here but what report.c says things by. */
 static struct library the_library;
 
 /* What the environment says follows a loss of central where the program says nothing. */
