@@ -19,6 +19,15 @@
 /* A connection that does not stop to send is left now and then, so that others get their turn. */
 enum { MAX_READS = 64 };
 
+/* With so much in the inbox, some is to be handled first, while it is in the processor's cache and
+ * before more memory is needed. */
+enum { ENOUGH_BYTES = 1024 * 1024 };
+
+static bool is_enough(const struct _X_IPC_CONTEXT *context, int n_reads)
+{
+    return n_reads == MAX_READS || context->inbox_bytes >= ENOUGH_BYTES;
+}
+
 /* Bytes of a frame in a malloc block, NULL for none of them: 0 or ERR_MEMORY.  The memory of a large
  * frame is used again, so that the frame has no bytes after that. */
 static int take_bytes(const struct frame *frame, const uint8_t *bytes, size_t length,
@@ -238,7 +247,7 @@ bool receive(struct _X_IPC_CONTEXT *context)
 {
     bool any = false;
     bool more = true;
-    for (int i = 0; i < MAX_READS && more && context_is_open(context); i++) {
+    for (int i = 0; more && context_is_open(context) && (i == 0 || !is_enough(context, i)); i++) {
         int result = link_read(&context->link, &more);
         if (result == 0) {
             break;
@@ -263,7 +272,7 @@ bool receive_from_peer(struct peer *peer)
     bool any = false;
     bool more = true;
     (void)peer_ref(peer); /* it may end meanwhile */
-    for (int i = 0; i < MAX_READS && more && peer->link.fd >= 0; i++) {
+    for (int i = 0; more && peer->link.fd >= 0 && (i == 0 || !is_enough(peer->context, i)); i++) {
         int result = link_read(&peer->link, &more);
         if (result == 0) {
             break;
