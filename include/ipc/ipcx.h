@@ -141,9 +141,9 @@ IPC_RETURN_TYPE IPCx_unsubscribeConnection(IPCX_CONNECTION_HANDLER handler);
 
 /*
  * Lets a program end calls that wait, as interpreters have to for Ctrl-C and for handlers that
- * failed.  giveUp is asked by the thread that waits: when a signal was caught, after every wait in
- * which nothing came, every 200 milliseconds, and after handlers ran if the call is to go on.  It may
- * do all that a handler may.
+ * failed.  giveUp is asked by the thread that waits: after a wait in which nothing came but perhaps a
+ * signal, about every 200 milliseconds, and after handlers ran if the call is to go on.  It may do all
+ * that a handler may.
  * When it returns anything but 0 the call ends: listening calls, queries and IPCx_process as if
  * their time were over, others with an error unless their work is done; what was to be sent is.
  * NULL: nobody is asked.

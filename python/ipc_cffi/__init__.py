@@ -31,8 +31,8 @@ from .hints import (Byte as Byte, Char as Char, Double as Double, Float as Float
                     UShort as UShort, format_of as format_of)
 from .listening import *
 from .messages import *
-from .queries import *
 from .output import capture_output as capture_output
+from .queries import *
 from .places import (include_dir as include_dir, library_path as library_path,
                      library_version as library_version, pkgconfig_dir as pkgconfig_dir)
 from .reconnect import (IPCX_RECONNECT as IPCX_RECONNECT,

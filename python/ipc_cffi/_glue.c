@@ -7,6 +7,7 @@
 #include <ipc/ipcx.h>
 
 #include <pthread.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -127,17 +128,20 @@ static void keep_text(IPCX_TEXT kind, const char *bytes)
     const size_t size = strlen(bytes) + 1;
     struct text *text = malloc(sizeof *text + size);
     pthread_mutex_lock(&texts.lock);
-    if (text != NULL && texts.count < MAX_TEXTS) {
+    const bool is_full = text == NULL || texts.count == MAX_TEXTS;
+    if (!is_full) {
         text->next = NULL;
         text->kind = kind;
         memcpy(text->bytes, bytes, size);
         *(texts.first != NULL ? &texts.last->next : &texts.first) = text;
         texts.last = text;
         texts.count++;
-        text = NULL;
     }
     pthread_mutex_unlock(&texts.lock);
-    free(text);
+    if (is_full) {
+        fputs(bytes, stderr); /* rather there than nowhere */
+        free(text);
+    }
 }
 
 static void glue_keep_texts(int on)

@@ -65,16 +65,22 @@ def listen(function: Callable[..., int], *arguments: Any) -> IPC_RETURN_TYPE:
 LARGE = int(lib.GLUE_LARGE)
 
 
-def send(function: Callable[..., int], before: Tuple[Any, ...], length: int, content: Any,
-         *after: Any) -> IPC_RETURN_TYPE:
+def waits_with(function: Callable[..., int], before: Tuple[Any, ...], length: int, content: Any,
+               *after: Any) -> int:
     """Calls a function of the library that takes bytes behind other arguments."""
     if content is None:
-        return listen(function, *before, length, ffi.NULL, *after)
+        return waits(function, *before, length, ffi.NULL, *after)
     if length < LARGE:
-        return listen(function, *before, length, bytes(content), *after)
+        return waits(function, *before, length, bytes(content), *after)
     # Given back at once: what an exception keeps alive would not be otherwise.
     with ffi.from_buffer(content) as view:
-        return listen(function, *before, length, view, *after)
+        return waits(function, *before, length, view, *after)
+
+
+def send(function: Callable[..., int], before: Tuple[Any, ...], length: int, content: Any,
+         *after: Any) -> IPC_RETURN_TYPE:
+    """The same for functions that return IPC_RETURN_TYPE."""
+    return result(waits_with(function, before, length, content, *after))
 
 
 def handler_failed(kind: Type[BaseException], failure: BaseException,

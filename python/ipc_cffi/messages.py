@@ -7,13 +7,12 @@ from typing import Any, Callable, Dict, Optional, Tuple
 from ._ffi import ffi, lib
 from .arguments import Text, number_argument, text_argument, to_text
 from .bytearrays import IPC_VARCONTENT_TYPE, bytes_argument
-from .constants import (IPC_FIXED_LENGTH, IPC_No_Error, IPC_Null_Argument, IPC_OK,
+from .constants import (IPC_Error, IPC_FIXED_LENGTH, IPC_No_Error, IPC_Null_Argument, IPC_OK,
                         IPC_RETURN_TYPE, IPC_VARIABLE_LENGTH)
 from .errors import fail, raise_error, result
-from .formatters import (FORMATTER_PTR, IPC_msgFormatter, ask_for_formatter, encode, encoder,
-                         formatter_at)
+from .formatters import FORMATTER_PTR, IPC_msgFormatter, ask_for_formatter, encoder
 from .handlers import MSG_INSTANCE
-from .library import LARGE, listen, send, waits
+from .library import listen, send, waits, waits_with
 from .values import Encoded
 
 
@@ -91,12 +90,16 @@ def IPC_publishFixed(msgName: Text, content: Any) -> IPC_RETURN_TYPE:
 
 def encoded_for(msgName: Text, data: Any) -> Tuple[int, Any]:
     """Data in the format of a message: their length and bytes.  Raises IPCError or Refused."""
-    lib.IPC_errno = 0
-    formatter = IPC_msgFormatter(msgName)
-    if formatter is None and lib.IPC_errno:
-        raise Refused
-    content = encode(formatter, data)
+    content = encoder(_formatter_of(msgName))(data)
     return len(content), content or None
+
+
+def _formatter_of(msgName: Text) -> Optional[FORMATTER_PTR]:
+    lib.IPC_errno = IPC_No_Error
+    formatter = IPC_msgFormatter(msgName)
+    if formatter is None and lib.IPC_errno != IPC_No_Error:
+        raise Refused
+    return formatter
 
 
 class Refused(Exception):
@@ -113,21 +116,15 @@ class _Outlet:
 
     __slots__ = ("name", "pointer", "encode")
 
-    def __init__(self, name: Any) -> None:
-        lib.IPC_errno = IPC_No_Error
-        self.name = name
-        self.pointer = waits(lib.IPC_msgFormatter, name)
-        if self.pointer == ffi.NULL and lib.IPC_errno != IPC_No_Error:
-            raise Refused
-        self.encode: Callable[[Any], Encoded] = encoder(formatter_at(self.pointer))
+    def __init__(self, msgName: Text) -> None:
+        formatter = _formatter_of(msgName)
+        self.name = text_argument(msgName)
+        self.pointer = ffi.NULL if formatter is None else formatter.pointer
+        self.encode = encoder(formatter)
 
     def publish(self, content: Encoded) -> int:
         """The library's result, or OTHER_FORMAT, and then nothing was sent."""
-        if len(content) < LARGE:
-            return waits(lib.glue_publish_as, self.name, self.pointer, len(content), bytes(content))
-        # Given back at once: what an exception keeps alive would not be otherwise.
-        with ffi.from_buffer(content) as view:
-            return waits(lib.glue_publish_as, self.name, self.pointer, len(content), view)
+        return waits_with(lib.glue_publish_as, (self.name, self.pointer), len(content), content)
 
 
 #: By the names that the program uses, so many at most.
@@ -137,11 +134,10 @@ OTHER_FORMAT = int(lib.GLUE_OTHER_FORMAT)
 
 
 def _outlet(msgName: Text) -> _Outlet:
-    outlet = _Outlet(text_argument(msgName))
+    outlet = _Outlet(msgName)
     if len(_outlets) >= MAX_OUTLETS:
         _outlets.clear()
-    if isinstance(msgName, (str, bytes)):
-        _outlets[msgName] = outlet
+    _outlets[msgName] = outlet
     return outlet
 
 
@@ -155,7 +151,7 @@ def publish_data(msgName: Text, data: Any,
             content = outlet.encode(data)
             number = outlet.publish(content)
     except Refused:
-        return raise_error()
+        return IPC_Error
     if tell is not None and number == IPC_OK:
         tell(len(content))
     return result(number)

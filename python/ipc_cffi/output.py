@@ -17,7 +17,9 @@ _lock = threading.Lock()
 
 def capture_output(on: bool = True) -> None:
     """Has what the library says logged by the logger ipc.lib, instead of written to the standard
-    streams; the verbosity decides as before what it says."""
+    streams; the verbosity decides as before what it says.
+
+    To be called while no other thread uses IPC."""
     import logging  # noqa: F401  pylint: disable=unused-import
     lib.glue_keep_texts(bool(on))
     log_texts()

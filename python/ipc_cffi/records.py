@@ -230,22 +230,22 @@ def fields_of(cls: type, count: int) -> Fields:
 _PLAIN = (str, bytes, bytearray, int, float, complex, type(None))
 
 
-def members_of(value: Any, count: int) -> List[Any]:
+def members_of(value: Any, count: int) -> Sequence[Any]:
     """The values of the members of a structure; MISSING where there is no attribute.
 
     Raises TypeError or ValueError for what is no structure of that many members.
     """
-    if isinstance(value, _PLAIN):
-        raise TypeError(f"expected a structure, got {reprlib.repr(value)}")
-    if isinstance(value, dict):
-        return _members_of_dict(value, count)
     if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
         if len(value) != count:
             raise ValueError(f"expected {count} members, got {len(value)}")
-        return list(value)
+        return value
+    if isinstance(value, dict):
+        return _members_of_dict(value, count)
+    if isinstance(value, _PLAIN):
+        raise TypeError(f"expected a structure, got {reprlib.repr(value)}")
     fields = fields_of(type(value), count)
     try:
-        return list(fields.get(value))
+        return fields.get(value)
     except AttributeError:
         return fields.each(value)
 

@@ -5,6 +5,7 @@
 
 #include <signal.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/time.h>
 
 /* Declared here, weakly, because CMU IPC has neither the header nor the functions. */
@@ -70,6 +71,40 @@ CHECK_NEW(a_signal_ends_every_listening_call_if_the_program_wishes)
     EXPECT(now_ms() - start < 30000);
     IPCx_setGiveUp(NULL);
     EXPECT_TIMEOUT(IPC_listen(10));
+}
+
+/* Central tells all modules of each first and last subscription to a message: none of their handlers. */
+PLAYER(restless)
+{
+    char byte;
+    define_int("restless");
+    player_say(0);
+    while (recv(player_control(), &byte, 1, MSG_DONTWAIT) < 0) {
+        IPC_subscribe("restless", ignore, NULL);
+        IPC_unsubscribe("restless", ignore);
+    }
+    IPC_disconnect();
+}
+
+static long give_up_at;
+
+static int give_up_in_time(void)
+{
+    return now_ms() >= give_up_at;
+}
+
+CHECK_NEW(a_wait_is_given_up_though_something_comes_all_the_time)
+{
+    BYTE_ARRAY reply = NULL;
+    struct central *central = connected();
+    define_int("query");
+    IPC_subscribe("query", ignore, NULL);
+    IPC_listenClear(20);
+    module_start("restless", central);
+    give_up_at = now_ms() + 500;
+    IPCx_setGiveUp(give_up_in_time);
+    EXPECT_TIMEOUT(IPC_queryResponse("query", 4, "abcd", &reply, IPC_WAIT_FOREVER));
+    IPCx_setGiveUp(NULL);
 }
 
 static void enough(MSG_INSTANCE instance, BYTE_ARRAY content, void *client_data)

@@ -18,6 +18,13 @@ static pthread_t thread_start(thread_function *function, void *argument)
     return thread;
 }
 
+static void threads_join(const pthread_t *threads, int n_threads)
+{
+    for (int i = 0; i < n_threads; i++) {
+        EXPECT_INT(pthread_join(threads[i], NULL), 0);
+    }
+}
+
 /* Numbers that threads share, without a word of the library's lock. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
@@ -121,13 +128,9 @@ static void expect_all_messages(int n_listeners)
             sleep_ms(5);
         }
     }
-    for (int i = 0; i < PUBLISHERS; i++) {
-        pthread_join(publishers[i], NULL);
-    }
+    threads_join(publishers, PUBLISHERS);
     add(&stop, 1);
-    for (int i = 0; i < n_listeners; i++) {
-        pthread_join(listeners[i], NULL);
-    }
+    threads_join(listeners, n_listeners);
     EXPECT_INT(n_received, PUBLISHERS * MESSAGES);
     if (!is_original()) {
         EXPECT_INT(n_disordered, 0);
@@ -183,9 +186,7 @@ CHECK_NEW(messages_defined_late_keep_their_order_among_threads)
     module_start("late_publisher", central);
     EXPECT(becomes(&n_received, 2 * LATE));
     add(&stop, 1);
-    for (int i = 0; i < 2; i++) {
-        pthread_join(listeners[i], NULL);
-    }
+    threads_join(listeners, 2);
     EXPECT_INT(n_received, 2 * LATE);
     EXPECT_INT(n_disordered, 0);
     EXPECT_INT(n_concurrent, 0);
@@ -238,12 +239,9 @@ static void expect_all_replies(int n_listeners)
     for (int i = 0; i < n_listeners; i++) {
         threads[2 + i] = thread_start(listen_until_stopped, NULL);
     }
-    pthread_join(threads[0], NULL);
-    pthread_join(threads[1], NULL);
+    threads_join(threads, 2);
     add(&stop, 1);
-    for (int i = 0; i < n_listeners; i++) {
-        pthread_join(threads[2 + i], NULL);
-    }
+    threads_join(&threads[2], n_listeners);
 }
 
 CHECK_NEW(two_threads_may_ask_at_a_time)
@@ -285,9 +283,7 @@ CHECK_NEW(what_one_thread_reads_ends_the_wait_of_another)
     for (int i = 0; i < 2; i++) {
         asking[i] = thread_start(ask_central_many, NULL);
     }
-    for (int i = 0; i < 2; i++) {
-        pthread_join(asking[i], NULL);
-    }
+    threads_join(asking, 2);
     add(&stop, 1);
     pthread_join(looking, NULL);
 }
@@ -339,12 +335,10 @@ CHECK_NEW(threads_may_define_and_subscribe_while_others_listen_and_publish)
     threads[1] = thread_start(use_names, "y");
     threads[2] = thread_start(listen_until_stopped, NULL);
     threads[3] = thread_start(publish_until_stopped, NULL);
-    pthread_join(threads[0], NULL);
-    pthread_join(threads[1], NULL);
+    threads_join(threads, 2);
     EXPECT(becomes(&n_received, 1));
     add(&stop, 1);
-    pthread_join(threads[2], NULL);
-    pthread_join(threads[3], NULL);
+    threads_join(&threads[2], 2);
 }
 
 /* ---------------------------------------------------------------- while others are busy */
@@ -573,9 +567,7 @@ CHECK_NEW(a_loss_is_told_once_however_many_threads_wait)
     threads[3] = thread_start(ask_without_end, &n_events);
     sleep_ms(100);
     central_kill(central);
-    for (int i = 0; i < 4; i++) {
-        pthread_join(threads[i], NULL);
-    }
+    threads_join(threads, 4);
     EXPECT_INT(get(&n_losses), 1);
     EXPECT_INT(end_of_listening, IPC_Error);
 }

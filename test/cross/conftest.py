@@ -16,7 +16,6 @@ HERE = "x86-64"
 ORIGINAL = "CMU IPC"
 PARTS = ("unit", "wire", "formats", "conversation")
 
-
 FOLDER = pathlib.Path(__file__).parent
 _open_machines = []
 
@@ -69,6 +68,7 @@ def machine(build_directory, request, central_program, library, compiler):
         except Missing as missing:
             return missing
         _open_machines.append(machine)
+        request.addfinalizer(machine.close)  # if the tests are interrupted
         return machine
 
     def get(name):

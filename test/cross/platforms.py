@@ -102,8 +102,9 @@ class Machine:
 
     def close(self):
         """Ends what serves its programs."""
-        if self.wine:
-            self.wine.close()
+        wine, self.wine = self.wine, None
+        if wine:
+            wine.close()
 
     @staticmethod
     def _run(*command):

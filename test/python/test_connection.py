@@ -336,6 +336,22 @@ def test_what_the_library_says_can_be_logged(ipc, central, caplog, capfd):
     assert not said()
 
 
+def test_no_text_of_the_library_gets_lost(ipc, central, caplog, capfd):
+    library = ipc.errors.lib
+    ipc.capture_output()
+    try:
+        with ipc.connect("m", central.address):
+            caplog.clear()
+            for _ in range(600):  # of two texts each, and no call that fetches them between
+                library.IPC_publish(b"unknown", 0, ipc.errors.ffi.NULL)
+    finally:
+        ipc.capture_output(False)
+    logged = [record.getMessage() for record in caplog.records if record.name == "ipc.lib"]
+    written = [line for line in capfd.readouterr().err.splitlines() if line]
+    assert len(logged) == 1000 and len(logged + written) == 1200
+    assert set(logged) == set(written)
+
+
 def test_traffic_is_logged_if_wished(connection, caplog):
     connection.define("m", int)
     connection.subscribe("m", lambda message: None)

@@ -203,6 +203,19 @@ def test_data_follow_the_format_that_the_message_has_now(module, start_central):
     assert [(data.f0, data.f1) for data in got.data if not isinstance(data, int)] == [(6, "six")]
 
 
+def test_any_number_of_messages_can_be_published(module, monkeypatch):
+    monkeypatch.setattr(module.messages, "MAX_OUTLETS", 2)
+    got = Got()
+    for number in range(5):
+        define(module, f"m{number}", "int")
+        module.IPC_subscribeData(f"m{number}", got)
+    for number in (0, 1, 2, 3, 4, 0):
+        assert module.IPC_publishData(f"m{number}", number) == module.IPC_OK
+        assert len(module.messages._outlets) <= 2
+    listen_until(lambda: len(got) == 6)
+    assert got.data == [0, 1, 2, 3, 4, 0]
+
+
 def test_subscribing_before_the_definition_delivers(module, program):
     got = Got()
     module.IPC_subscribeData("later", got)

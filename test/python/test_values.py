@@ -587,3 +587,9 @@ def test_printing_goes_to_any_stream_in_order(ipc, tmp_path, capsys):
     assert (tmp_path / "file").read_text() == 'first\n{3, "z"}\n'
     with pytest.raises(NotImplementedError):
         ipc.IPC_readData(formatter, stream)
+
+
+def test_what_is_no_array_is_refused_whatever_it_is(ipc):
+    for value in ({"f0": None}, {0: 1}, object(), 5, "text", {1, 2}):
+        with pytest.raises((TypeError, ValueError)):
+            encoded("{int, int, <int:2>}", (0, None, value))

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import struct
 import sys
-from typing import Any, Callable, Dict, List, Optional, Tuple, Union
+from typing import Any, Dict, List, Optional, Tuple, Union
 
 from .. import tree
 from .arrays import FixedArray
@@ -66,15 +66,6 @@ def _compile_structure(node: tree.Structure) -> Structure:
     return Structure(steps, len(node.members), least)
 
 
-def _decoder(read: Reader) -> Callable[[Content], Any]:
-    def decode(data: Content) -> Any:
-        try:
-            return read(data, 0)[0]
-        except (struct.error, IndexError, MemoryError):
-            raise BadBytes from None
-    return decode
-
-
 class Converter:
     """Encodes and decodes the values of one format."""
 
@@ -83,7 +74,7 @@ class Converter:
         self.text = tree.format_text(node)
         self.codec = compile_type(node)
         self._pack = self.codec.pack
-        self._decoders: Dict[Tuple[str, bool, Optional[type]], Callable[[Content], Any]] = {}
+        self._readers: Dict[Tuple[str, bool, Optional[type]], Reader] = {}
 
     def encode(self, value: Any) -> Encoded:
         """The bytes of a value in this host's order; of an array perhaps its own.
@@ -117,19 +108,16 @@ class Converter:
             return type(value).__name__
         return "data"
 
-    def decoder(self, order: str, numpy: bool, cls: Optional[type]) -> Callable[[Content], Any]:
-        """What makes values of bytes in that order, with cls for their structures; it raises
-        BadBytes."""
-        found = self._decoders.get((order, numpy, cls))
-        if found is None:
-            found = self._decoders[order, numpy, cls] = _decoder(
-                self.codec.reader(Style(order, numpy), cls))
-        return found
-
     def decode(self, data: Content, order: str = sys.byteorder, numpy: bool = False,
                cls: Optional[type] = None) -> Any:
-        """The value of bytes."""
-        return self.decoder(order, numpy, cls)(data)
+        """The value of bytes in that order, with cls for its structures; raises BadBytes."""
+        read = self._readers.get((order, numpy, cls))
+        if read is None:
+            read = self._readers[order, numpy, cls] = self.codec.reader(Style(order, numpy), cls)
+        try:
+            return read(data, 0)[0]
+        except (struct.error, IndexError, MemoryError):
+            raise BadBytes from None
 
     def fill(self, target: Any, decoded: Any) -> Any:
         """Puts a decoded value into an existing structure or list, and returns that."""

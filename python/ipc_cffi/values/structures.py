@@ -163,7 +163,7 @@ class VariableStep(Step):
         for index in self.references:
             if values[index] is MISSING or values[index] is None:
                 values[index] = 0 if part is None or part is MISSING else _length(part)
-            part = part[0] if part is not None and _length(part) else ()
+            part = _first_element(part)
 
     def encode(self, values: Sequence[Any], out: bytearray, names: Fields) -> None:
         array = values[self.first]
@@ -223,6 +223,13 @@ def _length(part: Any) -> int:
         return 0
 
 
+def _first_element(part: Any) -> Any:
+    try:
+        return part[0]
+    except (TypeError, IndexError, KeyError):
+        return ()
+
+
 def _first_part(value: Any) -> int:
     """The number that a size is, also if it is the first part of something larger."""
     while isinstance(value, (list, tuple, IPCdata)) or hasattr(type(value), "_fields"):
@@ -257,18 +264,8 @@ def _packer(step: ScalarStep, count: int) -> Optional[Callable[[Any], bytes]]:
     if pack is None:
         return None
 
-    known: Dict[type, Fields] = {}
-
     def pack_structure(value: Any) -> bytes:
-        kind = type(value)
-        if kind is tuple or kind is list:
-            return pack(*value)
-        if kind is dict:
-            return pack(*members_of(value, count))
-        fields = known.get(kind)
-        if fields is None or fields.declared is not getattr(kind, "_fields", None):
-            fields = known[kind] = fields_of(kind, count)
-        return pack(*fields.get(value))
+        return pack(*members_of(value, count))
     return pack_structure
 
 
@@ -289,7 +286,7 @@ class Structure(Codec):
 
     def _values(self, value: Any) -> List[Any]:
         try:
-            values = members_of(value, self._count)
+            values = list(members_of(value, self._count))
         except TypeError:
             expected("a structure", value)
         except ValueError as error:
@@ -355,13 +352,14 @@ class Structure(Codec):
 
     def reader(self, style: Style, cls: Optional[type]) -> Reader:
         # Made when the first one is read: a class may be its own member's class.
-        chosen: Any = cls or IPCdata
+        chosen, count = cls or IPCdata, self._count
         plan: Optional[_Plan] = None
 
         def read(data: Content, at: int) -> Tuple[Any, int]:
             nonlocal plan
-            if plan is None or plan.fields.declared is not getattr(chosen, "_fields", None):
-                plan = self.plan(style, fields_of(chosen, self._count))
+            fields = fields_of(chosen, count)
+            if plan is None or plan.fields is not fields:
+                plan = self.plan(style, fields)
             return plan.read(data, at)
         return read
 
@@ -436,22 +434,12 @@ class _Plan:
         self.reads = [None if isinstance(step, SelfStep) else step.reader(style, fields)
                       for step in structure.steps]
         self.variable = structure.variable
-        if structure.has_self:
-            self.read = self._read_linked
-        elif len(self.reads) == 1 and not self.variable:
-            self.read = self._read_one_step
-        else:
-            self.read = self._read_plain
+        self.read = self._read_linked if structure.has_self else self._read_plain
 
     def _complete(self, values: List[Any]) -> Any:
         for step in self.variable:
             step.put_into_shape(values)
         return self.build(values)
-
-    def _read_one_step(self, data: Content, at: int) -> Tuple[Any, int]:
-        values: List[Any] = []
-        at = self.reads[0](data, at, values)  # type: ignore[misc]
-        return self.build(values), at
 
     def _read_plain(self, data: Content, at: int) -> Tuple[Any, int]:
         values: List[Any] = []

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The library's mutable static: everything is reached from here but what report.c says things by. */
+/* Where everything is reached from, but for what the program chooses about texts (report.c). */
 static struct library the_library;
 
 /* What the environment says follows a loss of central where the program says nothing. */

@@ -60,7 +60,7 @@ struct library {
     unsigned sleepers;           /* threads that wait for it in turn */
     unsigned listeners;          /* threads inside a listening call */
     int (*give_up)(void);  /* whether the thread that asks should wait no longer; NULL: never */
-    uint64_t ask_again_ns; /* when that is asked though there is enough else to do */
+    uint64_t ask_again_ns; /* until when a wait may last without its being asked */
     struct waker waker;    /* ends the wait in the kernel */
 
     bool initialised;     /* always while a context is live (context.h) */

@@ -234,20 +234,18 @@ static int take_frames(struct _X_IPC_CONTEXT *context, struct link *link, struct
     return result < 0 ? result : n_frames;
 }
 
-/* What came may be what threads wait for; the one in the kernel would not hear of it any more. */
-static bool tell(struct library *library, bool any)
+/* Something has come, perhaps what others wait for: of what is read already the one in the kernel would
+ * not hear. */
+static void tell_others(const struct _X_IPC_CONTEXT *context)
 {
-    if (any) {
-        wait_wake(library);
-    }
-    return any;
+    wait_wake(context->library);
 }
 
 bool receive(struct _X_IPC_CONTEXT *context)
 {
     bool any = false;
     bool more = true;
-    for (int i = 0; more && context_is_open(context) && (i == 0 || !is_enough(context, i)); i++) {
+    for (int n_reads = 1; more && context_is_open(context); n_reads++) {
         int result = link_read(&context->link, &more);
         if (result == 0) {
             break;
@@ -263,8 +261,12 @@ bool receive(struct _X_IPC_CONTEXT *context)
         if (result < 0) {
             context_lose(context, true);
         }
+        more = more && !is_enough(context, n_reads);
     }
-    return tell(context->library, any);
+    if (any) {
+        tell_others(context);
+    }
+    return any;
 }
 
 bool receive_from_peer(struct peer *peer)
@@ -272,7 +274,7 @@ bool receive_from_peer(struct peer *peer)
     bool any = false;
     bool more = true;
     (void)peer_ref(peer); /* it may end meanwhile */
-    for (int i = 0; more && peer->link.fd >= 0 && (i == 0 || !is_enough(peer->context, i)); i++) {
+    for (int n_reads = 1; more && peer->link.fd >= 0; n_reads++) {
         int result = link_read(&peer->link, &more);
         if (result == 0) {
             break;
@@ -284,10 +286,13 @@ bool receive_from_peer(struct peer *peer)
         if (result < 0) {
             peer_end(peer);
         }
+        more = more && !is_enough(peer->context, n_reads);
     }
-    struct library *library = peer->context->library;
+    if (any) {
+        tell_others(peer->context);
+    }
     peer_unref(peer);
-    return tell(library, any);
+    return any;
 }
 
 /* --------------------------------------------------------------- as a source */

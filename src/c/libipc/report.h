@@ -1,8 +1,8 @@
 /*
  * What the library says to the user, by verbosity.
  *
- * Warnings and notes only print.  What errors of API calls lead to is in
- * report_result.h.
+ * Warnings and notes are only said, on the standard streams or to a function of the
+ * program.  What errors of API calls lead to is in report_result.h.
  */
 #ifndef IPC_LIBIPC_REPORT_H
 #define IPC_LIBIPC_REPORT_H
@@ -30,13 +30,13 @@ IPC_ERROR_TYPE report_code(int error);
 /* Who takes what is said below, instead of the standard streams; NULL: nobody. */
 void report_to(IPCX_TEXT_HANDLER handler);
 
-/* Prints on standard error at IPC_Print_Warnings and up.  May be called with the lock held. */
+/* A warning, at IPC_Print_Warnings and up: on standard error.  May be called with the lock held. */
 void report_warning(const char *text, ...) LIKE_PRINTF(1, 2);
 
-/* Prints on standard output at IPC_Print_Warnings and up. */
+/* A banner, at IPC_Print_Warnings and up: on standard output. */
 void report_banner(const char *text, ...) LIKE_PRINTF(1, 2);
 
-/* Prints on standard error at IPC_Print_Errors and up.  May be called with the lock held. */
+/* An error, at IPC_Print_Errors and up: on standard error.  May be called with the lock held. */
 void report_note(const char *text, ...) LIKE_PRINTF(1, 2);
 void report_note_values(const char *text, va_list values) LIKE_PRINTF(1, 0);
 

@@ -42,13 +42,6 @@ static uint64_t end_of_turn(const struct library *library, uint64_t deadline_ns)
                                                                            : deadline_ns;
 }
 
-/* To ask takes longer than to look at what has come, so this is done first, if there is anything. */
-static bool is_given_up_after_turn(struct library *library, bool any)
-{
-    return library->give_up != NULL && (!any || clock_ns() >= library->ask_again_ns) &&
-           wait_is_given_up(library);
-}
-
 bool wait_pause(int milliseconds)
 {
     const uint64_t deadline = clock_ns() + (uint64_t)milliseconds * 1000000u;
@@ -216,5 +209,6 @@ bool wait_turn(struct library *library, uint64_t deadline_ns)
     } else {
         any = wait_in_kernel(library, end_ns);
     }
-    return !is_given_up_after_turn(library, any);
+    /* What has come is looked at first: to ask takes longer. */
+    return any || !wait_is_given_up(library);
 }
