@@ -51,7 +51,8 @@ def test_its_central_passes_the_tests_by_hand_made_bytes(platform, machine):
     if PLATFORMS[platform].windows:
         without, left_out = {"IPC_TEST_WITHOUT_UNIX": "1"}, ("-k", "not unix_socket")
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *WIRE_TESTS, *left_out,
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider",
+         "--disable-warnings", *WIRE_TESTS, *left_out,
          "--central", machine(platform).central], cwd=ROOT, capture_output=True, text=True,
         timeout=BUILD_SECONDS, stdin=subprocess.DEVNULL, check=False,
         env={**os.environ, "IPC_TEST_SLOW": str(4 * SLOW),
