@@ -62,13 +62,18 @@ class Wine:
                             "TMPDIR": self.folder,  # for the server's lock
                             "WINEDLLOVERRIDES": "mscoree=;mshtml="}  # installs nothing then
         os.mkdir(self.environment["WINEPREFIX"])
-        self._run("wineserver", "-p")  # stays, and so do the services that wineboot starts, so
-        self._run("wineboot", "-i")    # that programs start fast and leave nothing behind
+        patience = os.path.join(self.folder, "patience.so")
+        self._run("cc", "-shared", "-fPIC", "-o", patience,
+                  os.path.join(ROOT, "test/cross/patient_wineserver.c"))
+        # It stays, and so do the services that wineboot starts, so that programs start fast and
+        # leave nothing behind.
+        self._run("wineserver", "-p", LD_PRELOAD=patience)
+        self._run("wineboot", "-i")
 
-    def _run(self, *command):
+    def _run(self, *command, **environment):
         try:
-            subprocess.run(command, env={**os.environ, **self.environment}, check=False,
-                           timeout=BUILD_SECONDS, stdin=subprocess.DEVNULL,
+            subprocess.run(command, env={**os.environ, **self.environment, **environment},
+                           check=False, timeout=BUILD_SECONDS, stdin=subprocess.DEVNULL,
                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         except FileNotFoundError:
             raise Missing(f"no {command[0]}") from None
