@@ -34,6 +34,9 @@ class Central:
         self._process: Optional[subprocess.Popen[bytes]] = None
         self._log: Any = None
 
+    def __repr__(self) -> str:
+        return f"<Central {'not running' if self._process is None else f'at {self.address}'}>"
+
     def start(self) -> Central:
         """Starts the server and waits until it can be connected to."""
         import subprocess

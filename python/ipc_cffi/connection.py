@@ -20,7 +20,8 @@ from .constants import (IPC_Error, IPC_OK, IPC_RETURN_TYPE, IPC_Timeout, IPC_VAR
                         IPC_WAIT_FOREVER, TRIGGER_FOREVER)
 from .contexts import (IPC_CONTEXT_PTR, IPC_connectModule, IPC_connectModuleNoListen,
                        IPC_disconnect, IPC_getContext, IPC_isConnected, has_ended)
-from .errors import IPCError, IPCTimeout, NotConnected, last_error, logger
+from .errors import (BadData, IllegalFormat, IPCError, IPCTimeout, MessageNotDefined,
+                     MismatchedFormat, NotConnected, WrongLength, last_error, logger)
 from .format import Format
 from .formatters import IPC_defineFormat
 from .handlers import MSG_INSTANCE
@@ -56,15 +57,24 @@ def checked(result: IPC_RETURN_TYPE) -> IPC_RETURN_TYPE:
     return result
 
 
-def _guarded(otherwise: Any) -> Callable[[Function], Function]:
-    """Makes a method give that instead of an exception of its own, with errors="code"."""
+#: The errors that are one of what a call is about, and so name it.
+_OF_ITS_ARGUMENT = (MessageNotDefined, WrongLength, IllegalFormat, MismatchedFormat, BadData)
+
+
+def _guarded(otherwise: Any, about: int = 0) -> Callable[[Function], Function]:
+    """Makes a method name that argument in its errors; or, with errors="code", give otherwise
+    instead of an exception of its own."""
     def decorate(method: Function) -> Function:
         @functools.wraps(method)
         def call(self: Connection, *arguments: Any, **options: Any) -> Any:
             try:
                 return method(self, *arguments, **options)
             except IPCError as error:
-                if self._errors == "raise" or error.in_handler:
+                if error.in_handler:
+                    raise
+                if isinstance(error, _OF_ITS_ARGUMENT) and not error.about:
+                    error.about = repr((*arguments, *options.values())[about])
+                if self._errors == "raise":
                     raise
                 lib.IPC_errno = error.errno
                 return otherwise
@@ -85,6 +95,12 @@ def _chosen(choice: str, choices: Iterable[str], what: str) -> str:
     if choice not in choices:
         raise ValueError(f"{what} can be {', '.join(map(repr, choices))}, not {choice!r}")
     return choice
+
+
+def _address_of(server: Optional[Text]) -> str:
+    """Where a server is looked for, in words."""
+    place = server or os.environ.get("CENTRALHOST") or "localhost"
+    return os.fsdecode(place)
 
 
 def milliseconds(seconds: Optional[float]) -> int:
@@ -246,15 +262,23 @@ class Connection:
         if reconnect is not None:
             _chosen(reconnect, _RECONNECT, "reconnect")
         connect = IPC_connectModule if listen else IPC_connectModuleNoListen
-        checked(connect(name, server))
+        try:
+            checked(connect(name, server))
+        except NotConnected as error:
+            error.about = f"is there a central at {_address_of(server)}?"
+            raise
         context = IPC_getContext()
         assert context is not None
+        self.name = os.fsdecode(name)
         self.context: IPC_CONTEXT_PTR = context
         self._stopped = False
         self._waker: Optional[_Waker] = None
         self._on_handler_error = on_handler_error
         if reconnect is not None:
             checked(IPCx_setReconnect(_RECONNECT[reconnect]))
+
+    def __repr__(self) -> str:
+        return f"<Connection {self.name!r}{', closed' if has_ended(self.context) else ''}>"
 
     # ------------------------------------------------------------- with blocks
 
@@ -309,7 +333,7 @@ class Connection:
 
     # ------------------------------------------------------------- definitions
 
-    @_guarded(IPC_Error)
+    @_guarded(IPC_Error, about=1)
     def define(self, name: Text, format: Any = None,
                length: int = IPC_VARIABLE_LENGTH) -> IPC_RETURN_TYPE:
         """Defines a message by a format string, or by a type that a format follows from."""

@@ -21,9 +21,16 @@ class IPCError(Exception):
     #: Whether it has left a handler, and so is none of the call that it comes out of.
     in_handler = False
 
+    #: What it is about, where that is known; str() then ends with it.
+    about: Optional[str] = None
+
     def __init__(self, text: str = "", errno: Optional[int] = None) -> None:
         super().__init__(text)
         self.errno = IPC_ERROR_TYPE(lib.IPC_errno if errno is None else errno)
+
+    def __str__(self) -> str:
+        text = super().__str__()
+        return f"{text}: {self.about}" if self.about else text
 
 
 class NotConnected(IPCError, ConnectionError):  # type: ignore[misc]

@@ -439,6 +439,42 @@ def test_nothing_big_is_imported():
 # ------------------------------------------------------------------ small things
 
 
+@pytest.mark.parametrize("call, text", [
+    (lambda module: module.publish("unknown", 1), "IPC message not defined: 'unknown'"),
+    (lambda module: module.query(name="unknown"), "IPC message not defined: 'unknown'"),
+    (lambda module: module.ask("unknown", 1, print), "IPC message not defined: 'unknown'"),
+    (lambda module: module.define("m", "{int,"), "Illegal format string: '{int,'"),
+    (lambda module: module.format("{int,"), "Illegal format string: '{int,'"),
+    (lambda module: module.publish("undecided", 1), "Illegal format string: 'undecided'"),
+], ids=lambda value: value if isinstance(value, str) else "")
+def test_errors_say_what_they_are_about(ipc, connection, call, text):
+    connection.define("undecided", "{int, later}")
+    with pytest.raises(ipc.IPCError) as caught:
+        call(connection)
+    assert (str(caught.value), caught.value.args[0]) == (text, text.split(":")[0])
+
+
+def test_who_is_there_can_be_seen(ipc, monkeypatch):
+    monkeypatch.setenv("PATH", os.path.join(BUILD, "src/c/central"), prepend=os.pathsep)
+    central = ipc.Central()
+    assert repr(central) == "<Central not running>"
+    with central:
+        assert repr(central) == f"<Central at localhost:{central.port}>"
+        with ipc.connect("m") as connection:
+            assert repr(connection) == "<Connection 'm'>"
+        assert repr(connection) == "<Connection 'm', closed>"
+    assert repr(central) == "<Central not running>"
+
+
+def test_who_finds_no_server_is_told_where_none_is(ipc, monkeypatch):
+    monkeypatch.setenv("CENTRALHOST", "localhost:1")
+    for server, place in (("127.0.0.1:1", "127.0.0.1:1"), (None, "localhost:1")):
+        with pytest.raises(ipc.NotConnected) as caught:
+            ipc.connect("m", server)
+        assert str(caught.value) == \
+            f"Not connected to IPC central: is there a central at {place}?"
+
+
 def test_errors_as_codes(ipc, central):
     with ipc.connect("test", central.address, errors="code") as connection:
         assert connection.define("m", int) == ipc.IPC_OK
