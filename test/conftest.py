@@ -1,6 +1,7 @@
 """Options and fixtures of the whole-system tests: what is under test, and fresh instances of it."""
 import contextlib
 import os
+import signal
 import subprocess
 
 import pytest
@@ -40,6 +41,9 @@ def pytest_configure(config):
     config.ipc_central = os.path.abspath(central)
     config.ipc_library = os.path.abspath(library)
     config.ipc_central_is_original = is_original_central(config.ipc_central)
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        # So a shell starts what runs in the background; the programs here would inherit it.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_report_header(config):

@@ -53,8 +53,15 @@ __all__ = [*constants.__all__, *contexts.__all__, *formatters.__all__, *listenin
            "IPC_setVerbosity", "IPCError", "IPCdata", "MSG_INSTANCE"]
 
 
+#: The modules that are imported when they are first used, for what they import themselves.
+_LATE = ("aio", "testing", "trio")
+
+
 def __getattr__(name: str) -> Any:
     if name == "IPC_errno":
         from ._ffi import lib
         return constants.IPC_ERROR_TYPE(lib.IPC_errno)
+    if name in _LATE:
+        import importlib
+        return importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

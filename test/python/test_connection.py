@@ -436,6 +436,15 @@ def test_nothing_big_is_imported():
     assert sys.version_info >= (3, 9)
 
 
+def test_modules_for_event_loops_are_imported_when_they_are_used():
+    Program("""
+        import sys, ipc_cffi
+        assert "ipc_cffi.aio" not in sys.modules and not hasattr(ipc_cffi, "something else")
+        print(ipc_cffi.aio.connect is sys.modules["ipc_cffi.aio"].connect,
+              ipc_cffi.testing.central.__name__)
+        """).wait_for_line("True central")
+
+
 # ------------------------------------------------------------------ small things
 
 
