@@ -463,3 +463,35 @@ CHECK_NEW(the_socket_of_direct_mode_is_removed_when_a_module_exits)
     EXPECT_INT(module_end(module), 0);
     EXPECT(access(path, F_OK) != 0);
 }
+
+/* Connects again and again, and counts how often it had no socket then. */
+PLAYER(comes_and_goes)
+{
+    char path[200];
+    int without = 0;
+    player_say(0);
+    player_wait();
+    for (int i = 0; i < 200; i++) {
+        IPC_disconnect();
+        EXPECT_OK(IPC_connectModule("comes_and_goes", player_address()));
+        own_socket(path, sizeof path);
+        without += path[0] == '\0' || access(path, F_OK) != 0;
+    }
+    player_say(without);
+    player_wait();
+}
+
+CHECK_NEW(who_takes_the_port_of_a_module_that_leaves_has_its_socket_too)
+{
+    struct module *modules[6];
+    struct central *central = directly_connected();
+    for (int i = 0; i < 6; i++) {
+        modules[i] = module_start("comes_and_goes", central);
+    }
+    for (int i = 0; i < 6; i++) {
+        module_tell(modules[i], 1);
+    }
+    for (int i = 0; i < 6; i++) {
+        EXPECT_INT(module_hear(modules[i]), 0);
+    }
+}

@@ -34,10 +34,11 @@ void listeners_init(struct listeners *listeners, struct server *server, const st
 
 void listeners_fini(struct listeners *listeners)
 {
+    /* The file first: who gets the port then makes one of that name. */
+    net_close_local(&listeners->local);
     if (listeners->tcp >= 0) {
         net_close_copy(listeners->tcp); /* a supervisor may have another */
     }
-    net_close_local(&listeners->local);
     if (listeners->spare >= 0) {
         net_close_copy(listeners->spare);
     }

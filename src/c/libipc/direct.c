@@ -281,14 +281,15 @@ IPC_ERROR_TYPE direct_find_targets(struct _X_IPC_CONTEXT *context, struct messag
 void direct_close(struct _X_IPC_CONTEXT *context)
 {
     struct library *library = context->library;
+    /* The file first: who gets the port then makes one of that name. */
+    wait_remove(library, &context->direct_unix);
+    net_close_local(&context->direct_local);
+    context->direct_unix.fd = -1;
     if (context->direct_tcp.fd >= 0) {
         wait_remove(library, &context->direct_tcp);
         net_close(context->direct_tcp.fd);
         context->direct_tcp.fd = -1;
     }
-    wait_remove(library, &context->direct_unix);
-    net_close_local(&context->direct_local);
-    context->direct_unix.fd = -1;
     while (!list_is_empty(&context->peers)) {
         peer_close(peer_at(context->peers.next));
     }
