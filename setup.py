@@ -2,7 +2,8 @@
 
 Besides the extension module these are the programs of the project, which the package brings along:
 the server central, the commands killCentral and killModule, and, where bison and flex are found,
-xdrgen; and what C programs are built with: headers, the static library, a file for pkg-config.  With a library that is installed (IPC_CFFI_LIBRARY) they are expected to be so as well.
+xdrgen; and what C programs are built with: headers, the static library, a file for pkg-config.
+With a library that is installed (IPC_CFFI_LIBRARY) they are expected to be so as well.
 """
 import glob
 import os
@@ -92,7 +93,7 @@ class BuildPrograms(Command):
             [file for file in files if file not in libraries],
             output_dir=os.path.join(self.build_temp, name),
             macros=[*self.macros, *macros], include_dirs=[*self.includes, *includes],
-            extra_postargs=["-std=gnu99"])
+            extra_postargs=_build.FLAGS)
         self.compiler.link_executable([*objects, *libraries], name, output_dir=os.path.dirname(target),
                                       extra_postargs=["-pthread"])
 
@@ -112,7 +113,7 @@ class BuildPrograms(Command):
             return target
         objects = self.compiler.compile(
             files, output_dir=os.path.join(self.build_temp, "libipc"), macros=self.macros,
-            include_dirs=self.includes, extra_postargs=["-std=gnu99", "-fPIC", "-fvisibility=hidden"])
+            include_dirs=self.includes, extra_postargs=[*_build.FLAGS, "-fPIC", "-fvisibility=hidden"])
         self.compiler.create_static_lib(objects, "ipc", output_dir=os.path.dirname(target))
         return target
 

@@ -117,6 +117,10 @@ def read(*path):
         return file.read()
 
 
+#: How C is compiled.  Python itself may have been with -g; the package would be five times as large.
+FLAGS = ["-std=gnu99", "-g0"]
+
+
 def versions():
     """What library and server announce, as CMakeLists.txt has it."""
     text = read(ROOT, "CMakeLists.txt")
@@ -142,7 +146,7 @@ def library():
     return {"sources": sources, "depends": headers,
             "include_dirs": [os.path.join(ROOT, "include"), os.path.join(ROOT, "src/c")],
             "define_macros": list(versions().items()),
-            "extra_compile_args": ["-std=gnu99", "-fvisibility=hidden"],
+            "extra_compile_args": [*FLAGS, "-fvisibility=hidden"],
             "extra_link_args": ["-pthread"]}
 
 
