@@ -65,6 +65,19 @@ long IPCx_nextTimeout(void);
  */
 IPC_RETURN_TYPE IPCx_process(void);
 
+/*
+ * Connects as IPC_connectModule does, if a central is there now: it tries once, and prints
+ * nothing when nobody listens there.  A program whose loop must not stand still calls it
+ * again a little later.  Names are looked up, and a central that is there is waited for.
+ *   taskName    the name of this module
+ *   serverName  host or host:port; NULL or "": CENTRALHOST, or else this host
+ * Returns IPC_OK when there is a connection, this or an earlier one, and IPC_Timeout when
+ * nobody listens there, or an earlier connection has not come back yet.
+ * Errors: IPC_Null_Argument (no name); IPC_Not_Connected (serverName names no host, or who
+ * listens there is no central).
+ */
+IPC_RETURN_TYPE IPCx_tryConnect(const char *taskName, const char *serverName);
+
 /* --------------------------------------------------------- loss of central */
 
 /*

@@ -16,6 +16,7 @@ from .connection import (Connection as Connection, Message as Message, Messages 
                          connect as connect)
 from .constants import *
 from .contexts import *
+from .contexts import IPCx_tryConnect as IPCx_tryConnect
 from .errors import (BadData as BadData, CommunicationError as CommunicationError,
                      IllegalFormat as IllegalFormat, IPC_perror, IPC_setVerbosity, IPCError,
                      IPCTimeout as IPCTimeout, MessageNotDefined as MessageNotDefined,

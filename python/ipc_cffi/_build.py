@@ -31,6 +31,7 @@ IPC_RETURN_TYPE IPC_setVerbosity(int verbosity);
 IPC_RETURN_TYPE IPC_initialize(void);
 IPC_RETURN_TYPE IPC_connectModule(const char *, const char *);
 IPC_RETURN_TYPE IPC_connectModuleNoListen(const char *, const char *);
+IPC_RETURN_TYPE IPCx_tryConnect(const char *, const char *);
 IPC_RETURN_TYPE IPC_disconnect(void);
 int IPC_isConnected(void);
 int IPC_isModuleConnected(const char *);
@@ -117,7 +118,7 @@ def read(*path):
         return file.read()
 
 
-#: How C is compiled.  Python itself may have been with -g; the package would be five times as large.
+#: How C is compiled.  Where Python itself was with -g the package would be five times as large.
 FLAGS = ["-std=gnu99", "-g0"]
 
 

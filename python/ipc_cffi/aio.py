@@ -107,7 +107,8 @@ class AsyncConnection(CoroutineConnection):
     def __init__(self, name: Text, server: Optional[Text] = None, *,
                  on_handler_error: OnError = "raise", reconnect: Optional[str] = None) -> None:
         self._connect = functools.partial(
-            Connection, name, server, on_handler_error=on_handler_error, reconnect=reconnect)
+            Connection._connected, asyncio.sleep, name, server, on_handler_error=on_handler_error,
+            reconnect=reconnect)
         self._connection: Optional[Connection] = None
         self._pump: Optional[_Pump] = None
         self._pending: Set[asyncio.Future[Any]] = set()
@@ -115,7 +116,7 @@ class AsyncConnection(CoroutineConnection):
         self._tasks: Dict[asyncio.Task[Any], None] = {}
 
     async def __aenter__(self) -> AsyncConnection:
-        self._connection = self._connect()
+        self._connection = await self._connect()
         self._connection.on_connection(self._switched)
         self._pump = _pump()
         self._pump.add(self)

@@ -11,15 +11,16 @@ import threading
 import time
 from collections import deque
 from types import TracebackType
-from typing import (Any, Callable, Deque, Generic, Iterable, Iterator, List, Optional, Tuple, Type,
-                    TypeVar, Union, cast, overload)
+from typing import (Any, Awaitable, Callable, Deque, Generic, Iterable, Iterator, List, Optional,
+                    Tuple, Type, TypeVar, Union, cast, overload)
 
 from ._ffi import ffi, lib
 from .arguments import Text
-from .constants import (IPC_Error, IPC_OK, IPC_RETURN_TYPE, IPC_Timeout, IPC_VARIABLE_LENGTH,
-                        IPC_WAIT_FOREVER, TRIGGER_FOREVER)
+from .constants import (IPC_Error, IPC_Not_Connected, IPC_OK, IPC_RETURN_TYPE, IPC_Timeout,
+                        IPC_VARIABLE_LENGTH, IPC_WAIT_FOREVER, TRIGGER_FOREVER)
 from .contexts import (IPC_CONTEXT_PTR, IPC_connectModule, IPC_connectModuleNoListen,
-                       IPC_disconnect, IPC_getContext, IPC_isConnected, has_ended)
+                       IPC_disconnect, IPC_getContext, IPC_isConnected, IPCx_tryConnect,
+                       has_ended)
 from .errors import (BadData, IllegalFormat, IPCError, IPCTimeout, MessageNotDefined,
                      MismatchedFormat, NotConnected, WrongLength, last_error, logger)
 from .format import Format
@@ -45,6 +46,10 @@ OnError = Union[str, Callable[[BaseException], Any]]
 
 #: The level of the module logging, which is not imported for it.
 DEBUG = 10
+
+#: How long coroutines look for a server: as long as the library does by itself.
+TRIES = 25
+SECONDS_BETWEEN_TRIES = 0.2
 
 _RECONNECT = {"never": IPCX_RECONNECT_NEVER, "fail": IPCX_RECONNECT_FAIL,
               "wait": IPCX_RECONNECT_WAIT}
@@ -97,10 +102,11 @@ def _chosen(choice: str, choices: Iterable[str], what: str) -> str:
     return choice
 
 
-def _address_of(server: Optional[Text]) -> str:
-    """Where a server is looked for, in words."""
-    place = server or os.environ.get("CENTRALHOST") or "localhost"
-    return os.fsdecode(place)
+def _looked_for(error: NotConnected, server: Optional[Text]) -> NotConnected:
+    """The error says where a server was looked for."""
+    place = os.fsdecode(server or os.environ.get("CENTRALHOST") or "localhost")
+    error.about = f"is there a central at {place}?"
+    return error
 
 
 def milliseconds(seconds: Optional[float]) -> int:
@@ -256,24 +262,48 @@ class Connection:
     def __init__(self, name: Text, server: Optional[Text] = None, *, listen: bool = True,
                  errors: str = "raise", on_handler_error: OnError = "raise",
                  reconnect: Optional[str] = None) -> None:
-        self._errors = _chosen(errors, ("raise", "code"), "errors")
-        if not callable(on_handler_error):
-            _chosen(on_handler_error, ("raise", "log"), "on_handler_error")
-        if reconnect is not None:
-            _chosen(reconnect, _RECONNECT, "reconnect")
+        self._choose(errors, on_handler_error, reconnect)
         connect = IPC_connectModule if listen else IPC_connectModuleNoListen
         try:
             checked(connect(name, server))
         except NotConnected as error:
-            error.about = f"is there a central at {_address_of(server)}?"
-            raise
+            raise _looked_for(error, server) from None
+        self._begin(name, reconnect)
+
+    @classmethod
+    async def _connected(cls, sleep: Callable[[float], Awaitable[Any]], name: Text,
+                         server: Optional[Text], *, on_handler_error: OnError,
+                         reconnect: Optional[str]) -> Connection:
+        """The same for coroutines, of which others run until there is a server: sleep lets them."""
+        connection = cls.__new__(cls)
+        connection._choose("raise", on_handler_error, reconnect)
+        for _ in range(TRIES):
+            try:
+                result = checked(IPCx_tryConnect(name, server))
+            except NotConnected as error:
+                raise _looked_for(error, server) from None
+            if result == IPC_OK:
+                connection._begin(name, reconnect)
+                return connection
+            await sleep(SECONDS_BETWEEN_TRIES)
+        raise _looked_for(cast(NotConnected, last_error(IPC_Not_Connected)), server)
+
+    def _choose(self, errors: str, on_handler_error: OnError, reconnect: Optional[str]) -> None:
+        self._errors = _chosen(errors, ("raise", "code"), "errors")
+        if not callable(on_handler_error):
+            _chosen(on_handler_error, ("raise", "log"), "on_handler_error")
+        self._on_handler_error = on_handler_error
+        if reconnect is not None:
+            _chosen(reconnect, _RECONNECT, "reconnect")
+
+    def _begin(self, name: Text, reconnect: Optional[str]) -> None:
+        """With the context that has just been connected."""
         context = IPC_getContext()
         assert context is not None
         self.name = os.fsdecode(name)
         self.context: IPC_CONTEXT_PTR = context
         self._stopped = False
         self._waker: Optional[_Waker] = None
-        self._on_handler_error = on_handler_error
         if reconnect is not None:
             checked(IPCx_setReconnect(_RECONNECT[reconnect]))
 

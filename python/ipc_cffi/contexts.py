@@ -93,6 +93,11 @@ def IPC_connectModuleNoListen(taskName: Text, serverName: Optional[Text]) -> IPC
     return _connect(lib.IPC_connectModuleNoListen, taskName, serverName)
 
 
+def IPCx_tryConnect(taskName: Text, serverName: Optional[Text]) -> IPC_RETURN_TYPE:
+    """Connects to a server if it is there now: IPC_Timeout, and not a word, if it is not."""
+    return _connect(lib.IPCx_tryConnect, taskName, serverName)
+
+
 def IPC_initialize() -> IPC_RETURN_TYPE:
     """Makes formats and marshalling usable without a connection."""
     begin()

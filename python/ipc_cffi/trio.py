@@ -165,8 +165,8 @@ async def connect(name: Text, server: Optional[Text] = None, *,
                   on_handler_error: OnError = "raise",
                   reconnect: Optional[str] = None) -> AsyncIterator[TrioConnection]:
     """A connection to a server, for async with; options as for ipc_cffi.connect()."""
-    with Connection(name, server, on_handler_error=on_handler_error,
-                    reconnect=reconnect) as connection:
+    with await Connection._connected(trio.sleep, name, server, on_handler_error=on_handler_error,
+                                    reconnect=reconnect) as connection:
         async with trio.open_nursery() as nursery:
             ipc = TrioConnection(connection, nursery)
             nursery.start_soon(ipc._work)

@@ -13,6 +13,9 @@
 #include <arpa/inet.h>
 #include <unistd.h>
 
+/* CMU IPC has neither the header nor the function. */
+__attribute__((weak)) IPC_RETURN_TYPE IPCx_tryConnect(const char *taskName, const char *serverName);
+
 enum { TRIES = 5 };
 
 static const char *server;
@@ -183,6 +186,60 @@ CHECK_NEW(a_host_name_beyond_all_limits_fails_as_an_unknown_host)
     EXPECT_ERROR(IPC_connectModule("x", name), IPC_Not_Connected);
 }
 
+/* --------------------------------------------------------- if a server is there */
+
+static void try_before_there_is_a_server(void)
+{
+    IPC_setVerbosity(IPC_Print_Errors);
+    IPC_errno = IPC_No_Error;
+    EXPECT_INT(IPCx_tryConnect("x", server), IPC_Timeout);
+    EXPECT_INT(IPC_errno, IPC_No_Error);
+    EXPECT_INT(IPC_isConnected(), 0);
+}
+
+CHECK_NEW(connecting_is_tried_once_without_a_word_where_nobody_listens)
+{
+    char address[64];
+    snprintf(address, sizeof address, "localhost:%d", free_port());
+    server = address;
+    const struct outcome outcome = run_apart(try_before_there_is_a_server);
+    EXPECT_INT(outcome.status, 0);
+    EXPECT_TEXT(outcome.out, "");
+    EXPECT_TEXT(outcome.err, "");
+}
+
+static void try_when_there_is_one(void)
+{
+    setenv("CENTRALHOST", server, 1);
+    IPC_setVerbosity(IPC_Print_Errors);
+    EXPECT_OK(IPCx_tryConnect("x", NULL));
+    EXPECT_INT(IPC_isModuleConnected("x"), 1);
+    const IPC_CONTEXT_PTR context = IPC_getContext();
+    EXPECT_OK(IPCx_tryConnect("x", server));
+    EXPECT(IPC_getContext() == context);
+    EXPECT_ERROR(IPCx_tryConnect("", server), IPC_Null_Argument);
+    EXPECT_ERROR(IPCx_tryConnect("x", " no host"), IPC_Not_Connected);
+    EXPECT_INT(IPC_isConnected(), 1);
+}
+
+CHECK_NEW(connecting_succeeds_at_once_where_a_server_is)
+{
+    size_t banner = 0;
+    char errors[200];
+    struct central *central = central_start(NULL);
+    server = central->address;
+    snprintf(errors, sizeof errors,
+             "... IPC Connected on port %d\n"
+             "ERROR: Argument is (unexpectedly) NULL\n"
+             "ERROR: Not connected to IPC central\n",
+             central->port);
+    const struct outcome outcome = run_apart(try_when_there_is_one);
+    EXPECT_INT(outcome.status, 0);
+    EXPECT(is_banner(outcome.out, &banner));
+    EXPECT_TEXT(outcome.out + banner, "");
+    EXPECT_TEXT(outcome.err, errors);
+}
+
 /* ------------------------------------------------------------------ odd servers */
 
 /* A server in a process of its own: accepts connections and does something with each. */
@@ -241,6 +298,15 @@ CHECK_NEW(a_server_that_never_answers_is_given_up)
     const pid_t pid = odd_server("", true, address, sizeof address);
     server = address;
     connect_silently();
+    odd_server_end(pid);
+}
+
+CHECK_NEW(who_listens_and_is_no_server_is_no_server_to_wait_for)
+{
+    char address[64];
+    const pid_t pid = odd_server("", false, address, sizeof address);
+    IPC_setVerbosity(IPC_Silent);
+    EXPECT_ERROR(IPCx_tryConnect("x", address), IPC_Not_Connected);
     odd_server_end(pid);
 }
 

@@ -5,6 +5,7 @@ import time
 import pytest
 
 from python.tools import ipc as IPC
+from support.processes import free_port
 from support.waiting import PATIENCE, SLOW
 
 import ipc_cffi.aio as aio  # noqa: E402  pylint: disable=wrong-import-order
@@ -143,6 +144,47 @@ def test_the_loop_goes_on_while_nothing_comes(address):
                 await asyncio.wait_for(stream.get(), 0.5)
             return time.process_time() - begin
     assert run(main()) < 0.2 * SLOW
+
+
+def test_other_tasks_run_until_there_is_a_server(ipc, start_central, capfd):
+    port = free_port()
+
+    async def main():
+        turns = []
+
+        async def take_turns():
+            while True:
+                turns.append(len(turns))
+                await asyncio.sleep(0.01)
+                if len(turns) == 30:
+                    start_central(f"-p{port}")
+        other = asyncio.create_task(take_turns())
+        async with aio.connect("test", f"127.0.0.1:{port}") as module:
+            assert len(turns) >= 30
+            await module.define("m", int)
+            stream = module.subscribe("m")
+            await module.publish("m", 7)
+            assert (await stream.get()).data == 7
+        other.cancel()
+    run(main())
+    assert "Trying again" not in capfd.readouterr().out
+
+
+def test_where_no_server_is_connecting_fails(ipc, monkeypatch):
+    async def main(**options):
+        async with aio.connect("test", "127.0.0.1:1", **options):
+            pass
+
+    async def main_for_a_while():
+        await asyncio.wait_for(main(), 0.05)
+    with pytest.raises(asyncio.TimeoutError):
+        run(main_for_a_while())
+    monkeypatch.setattr("ipc_cffi.connection.SECONDS_BETWEEN_TRIES", 0.001)
+    with pytest.raises(ipc.NotConnected, match=r"is there a central at 127\.0\.0\.1:1\?"):
+        run(main())
+    with pytest.raises(ValueError, match="reconnect can be"):
+        run(main(reconnect="perhaps"))
+    assert not ipc.IPC_isConnected()
 
 
 def test_several_connections(ipc, start_central):

@@ -4,6 +4,7 @@ import time
 import pytest
 
 from python.tools import ipc as IPC
+from support.processes import free_port
 from support.waiting import PATIENCE, SLOW
 
 trio = pytest.importorskip("trio")
@@ -122,6 +123,25 @@ def test_failures_come_out_of_the_block(address):
         failure, = failures_of(caught.value)
         assert isinstance(failure, ValueError) and str(failure) == text
     assert not IPC.IPC_isConnected()
+
+
+def test_a_server_is_waited_for(ipc, start_central):
+    port = free_port()
+
+    async def main():
+        with pytest.raises(ipc.IPCError) as failed:
+            async with ipc_trio.connect("", f"127.0.0.1:{port}"):
+                pass
+        assert isinstance(failed.value, ipc.NullArgument)
+
+        async def start():
+            await trio.sleep(0.1)
+            start_central(f"-p{port}")
+        async with trio.open_nursery() as nursery:
+            nursery.start_soon(start)
+            async with ipc_trio.connect("test", f"127.0.0.1:{port}") as module:
+                assert module.connection.is_connected
+    run(main)
 
 
 def test_several_connections_and_the_end_of_one(ipc, start_central):

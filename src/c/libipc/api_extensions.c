@@ -5,6 +5,7 @@
 
 #include "libipc/api.h"
 #include "libipc/closing.h"
+#include "libipc/connect.h"
 #include "libipc/event_set.h"
 #include "libipc/formatter.h"
 #include "libipc/inbox.h"
@@ -140,6 +141,11 @@ IPC_RETURN_TYPE IPCx_setEmptyStrings(int keep)
     }
     format_set_empty_strings(keep != 0);
     return IPC_OK;
+}
+
+IPC_RETURN_TYPE IPCx_tryConnect(const char *taskName, const char *serverName)
+{
+    return connect_if_there(taskName, serverName);
 }
 
 /* ------------------------------------------------------------- loss of central */

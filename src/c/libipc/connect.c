@@ -92,8 +92,10 @@ enum already {
     ALREADY_AWAY /* and has not come back while this call waited */
 };
 
-/* Whether the current context belongs to that server already; its listening kind changes then. */
-static enum already look_for_connection(const char *server, bool will_listen, int *port)
+/* Whether the current context belongs to that server already; its listening kind changes then.  One that
+ * is away has so long to come back. */
+static enum already look_for_connection(const char *server, bool will_listen, unsigned patience_ms,
+                                        int *port)
 {
     enum already already = ALREADY_NOT;
     struct library *library = library_enter();
@@ -102,7 +104,7 @@ static enum already look_for_connection(const char *server, bool will_listen, in
     if (context != NULL && strcmp(context->server_name, server) == 0) {
         context->will_listen = will_listen;
         *port = context->port;
-        const uint64_t deadline = wait_deadline(N_TRIES * PAUSE_MS);
+        const uint64_t deadline = wait_deadline(patience_ms);
         bool go_on = true;
         while (go_on && context->away != NULL && !wait_is_over(deadline)) {
             go_on = wait_turn(library, deadline);
@@ -125,6 +127,11 @@ static void explain(enum try_result result)
     }
 }
 
+static void report_connected(int port)
+{
+    report_warning("... IPC Connected on port %d\n", port);
+}
+
 static IPC_RETURN_TYPE try_often(const char *module, const char *server, bool by_default,
                                  bool will_listen)
 {
@@ -143,7 +150,7 @@ static IPC_RETURN_TYPE try_often(const char *module, const char *server, bool by
             result = try_once(module, server, will_listen, &address);
         }
         if (result == TRY_OK) {
-            report_warning("... IPC Connected on port %d\n", address.port);
+            report_connected(address.port);
             return IPC_OK;
         }
         explain(result);
@@ -160,31 +167,83 @@ static IPC_RETURN_TYPE try_often(const char *module, const char *server, bool by
     return report(IPC_Not_Connected);
 }
 
+/* ------------------------------------------------------------------- connecting */
+
+/* The server that is meant, and whether nobody has said so. */
+struct target {
+    const char *server;
+    bool by_default; /* then the server is this host */
+    char own_host[NET_NAME_SIZE];
+};
+
+static void find_target(struct target *target, const char *server)
+{
+    if (server == NULL || *server == '\0') {
+        server = getenv("CENTRALHOST");
+    }
+    target->by_default = server == NULL || *server == '\0';
+    if (target->by_default) {
+        net_host_name(target->own_host, sizeof target->own_host);
+        server = target->own_host;
+    }
+    target->server = server;
+}
+
+static void report_version(void)
+{
+    report_banner("NMP IPC Version %s (%s)\n", IPC_VERSION, IPC_RELEASE_DATE);
+}
+
 IPC_RETURN_TYPE connect_module(const char *module, const char *server, bool will_listen)
 {
-    char own_host[NET_NAME_SIZE];
+    struct target target;
     int port;
     if (module == NULL || *module == '\0') {
         return report(IPC_Null_Argument);
     }
-    report_banner("NMP IPC Version %s (%s)\n", IPC_VERSION, IPC_RELEASE_DATE);
-    if (server == NULL || *server == '\0') {
-        server = getenv("CENTRALHOST");
-    }
-    const bool by_default = server == NULL || *server == '\0';
-    if (by_default) {
+    report_version();
+    find_target(&target, server);
+    if (target.by_default) {
         report_warning("Warning: CENTRALHOST environment variable not set.\n");
-        net_host_name(own_host, sizeof own_host);
-        server = own_host;
     }
-    const enum already already = look_for_connection(server, will_listen, &port);
+    const enum already already =
+        look_for_connection(target.server, will_listen, N_TRIES * PAUSE_MS, &port);
     if (already == ALREADY_AWAY) {
         return report(IPC_Not_Connected);
     }
     if (already == ALREADY_CONNECTED) {
-        report_warning("x_ipcConnectModule: already connected to %s\n", server);
-        report_warning("... IPC Connected on port %d\n", port);
+        report_warning("x_ipcConnectModule: already connected to %s\n", target.server);
+        report_connected(port);
         return IPC_OK;
     }
-    return try_often(module, server, by_default, will_listen);
+    return try_often(module, target.server, target.by_default, will_listen);
+}
+
+IPC_RETURN_TYPE connect_if_there(const char *module, const char *server)
+{
+    struct target target;
+    struct address address;
+    int port;
+    if (module == NULL || *module == '\0') {
+        return report(IPC_Null_Argument);
+    }
+    find_target(&target, server);
+    const enum already already = look_for_connection(target.server, true, 0, &port);
+    if (already != ALREADY_NOT) {
+        return already == ALREADY_CONNECTED ? IPC_OK : IPC_Timeout;
+    }
+    if (address_parse(target.server, &address) != 0) {
+        return report(IPC_Not_Connected);
+    }
+    const enum try_result result = try_once(module, target.server, true, &address);
+    if (result == TRY_NOBODY) {
+        return IPC_Timeout;
+    }
+    report_version();
+    if (result != TRY_OK) {
+        explain(result);
+        return report(IPC_Not_Connected);
+    }
+    report_connected(address.port);
+    return IPC_OK;
 }
