@@ -66,9 +66,9 @@ def checked(result: IPC_RETURN_TYPE) -> IPC_RETURN_TYPE:
 _OF_ITS_ARGUMENT = (MessageNotDefined, WrongLength, IllegalFormat, MismatchedFormat, BadData)
 
 
-def _guarded(otherwise: Any, about: int = 0) -> Callable[[Function], Function]:
-    """Makes a method name that argument in its errors; or, with errors="code", give otherwise
-    instead of an exception of its own."""
+def _guarded(otherwise: Any, about: Optional[int] = None) -> Callable[[Function], Function]:
+    """Makes a method name the argument of that number in its errors; or, with errors="code", give
+    otherwise instead of an exception of its own."""
     def decorate(method: Function) -> Function:
         @functools.wraps(method)
         def call(self: Connection, *arguments: Any, **options: Any) -> Any:
@@ -77,7 +77,7 @@ def _guarded(otherwise: Any, about: int = 0) -> Callable[[Function], Function]:
             except IPCError as error:
                 if error.in_handler:
                     raise
-                if isinstance(error, _OF_ITS_ARGUMENT) and not error.about:
+                if about is not None and isinstance(error, _OF_ITS_ARGUMENT) and not error.about:
                     error.about = repr((*arguments, *options.values())[about])
                 if self._errors == "raise":
                     raise
@@ -372,14 +372,14 @@ class Connection:
         with self._current():
             return checked(IPC_defineMsg(name, length, format))
 
-    @_guarded(IPC_Error)
+    @_guarded(IPC_Error, about=0)
     def define_format(self, name: Text, format: Any) -> IPC_RETURN_TYPE:
         """Gives a format a name."""
         text = format if isinstance(format, (str, bytes)) else format_of(format)
         with self._current():
             return checked(IPC_defineFormat(name, text))
 
-    @_guarded(None)
+    @_guarded(None, about=0)
     def format(self, format: Any) -> Format:
         """A format, by its string or by a type, which may use the named formats of the server."""
         with self._current():
@@ -387,7 +387,7 @@ class Connection:
 
     # ---------------------------------------------------------------- messages
 
-    @_guarded(IPC_Error)
+    @_guarded(IPC_Error, about=0)
     def publish(self, name: Text, data: Any = None) -> IPC_RETURN_TYPE:
         """Sends data to all who subscribe to the message."""
         traffic = logger("ipc.traffic")
@@ -404,7 +404,7 @@ class Connection:
     def query(self, name: Text, data: Any = ..., timeout: Optional[float] = ..., *,
               type: None = ..., numpy: bool = ...) -> Any: ...
 
-    @_guarded(None)
+    @_guarded(None, about=0)
     def query(self, name: Text, data: Any = None, timeout: Optional[float] = None, *,
               type: Optional[Type[Any]] = None, numpy: bool = False) -> Any:
         """Asks, and waits for the answer, for that many seconds; handlers run meanwhile.
@@ -417,7 +417,7 @@ class Connection:
                 raise IPCTimeout(f"no answer to {name!r} within {timeout} seconds")
             return answer
 
-    @_guarded(None)
+    @_guarded(None, about=0)
     def ask(self, name: Text, data: Any, handler: Callable[[Any], Any], *,
             type: Optional[Type[Any]] = None, numpy: bool = False) -> Question:
         """Asks, and does not wait: handler is called with the data of the answer."""
@@ -447,7 +447,7 @@ class Connection:
     def subscribe(self, name: Text, handler: None = ..., *, type: None = ..., numpy: bool = ...
                   ) -> Callable[[Function], Function]: ...
 
-    @_guarded(None)
+    @_guarded(None, about=0)
     def subscribe(self, name: Text, handler: Optional[Callable[[Message[Any]], Any]] = None, *,
                   type: Optional[Type[Any]] = None, numpy: bool = False) -> Any:
         """Has handler called with each message of that name; without handler a decorator."""
@@ -460,7 +460,7 @@ class Connection:
             checked(subscribe(name, _Adapter(self, handler), None, True, type, numpy))
         return Subscription(self, name, handler)
 
-    @_guarded(IPC_Error)
+    @_guarded(IPC_Error, about=0)
     def unsubscribe(self, name: Text,
                     handler: Optional[Callable[..., Any]] = None) -> IPC_RETURN_TYPE:
         """Ends the subscription of a handler, or of all."""
