@@ -477,11 +477,10 @@ def test_who_is_there_can_be_seen(ipc, monkeypatch):
 
 def test_who_finds_no_server_is_told_where_none_is(ipc, monkeypatch):
     monkeypatch.setenv("CENTRALHOST", "localhost:1")
-    for server, place in (("127.0.0.1:1", "127.0.0.1:1"), (None, "localhost:1")):
-        with pytest.raises(ipc.NotConnected) as caught:
-            ipc.connect("m", server)
-        assert str(caught.value) == \
-            f"Not connected to IPC central: is there a central at {place}?"
+    with pytest.raises(ipc.NotConnected) as caught:
+        ipc.connect("m")
+    assert str(caught.value) == \
+        "Not connected to IPC central: is there a central at localhost:1?"
 
 
 def test_errors_as_codes(ipc, central):
