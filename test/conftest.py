@@ -46,6 +46,10 @@ def pytest_configure(config):
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_collection_modifyitems(items):
+    items.sort(key=lambda item: item.get_closest_marker("looked_at_last") is not None)
+
+
 def pytest_report_header(config):
     return [f"central: {config.ipc_central}", f"libipc: {config.ipc_library}"]
 
@@ -136,6 +140,13 @@ def stack():
     """What is entered here is left, newest first, when the test is over."""
     with contextlib.ExitStack() as exits:
         yield exits
+
+
+@pytest.fixture(scope="session")
+def once(central_program):
+    """For tests that build the project anew: they pass or fail whatever the sanitizers."""
+    if processes.is_sanitized(central_program):
+        pytest.skip("it makes a build of its own, without sanitizers: once is enough")
 
 
 @pytest.fixture

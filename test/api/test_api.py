@@ -22,6 +22,9 @@ WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werr
 #: Programs with checks that wait for seconds, to be begun first.
 LONG = ("connecting", "loss", "listening")
 
+#: Checks that wait for most of a minute, which other tests can use.
+LONGEST = ("a_server_that_never_answers_is_given_up",)
+
 
 def checks():
     """(program, check, whether it is true of our library only), the long ones first."""
@@ -112,8 +115,10 @@ def runs(request, compiler, library, central_program, tmp_path_factory):
     found.close()
 
 
-@pytest.mark.parametrize(
-    "program,name,new", [pytest.param(*check, id=f"{check[0]}-{check[1]}") for check in checks()])
+@pytest.mark.parametrize("program,name,new", [
+    pytest.param(*check, id=f"{check[0]}-{check[1]}",
+                 marks=[pytest.mark.looked_at_last] if check[1] in LONGEST else [])
+    for check in checks()])
 def test_check(request, library, program, name, new):
     if new and library.original:
         pytest.skip("the original differs")

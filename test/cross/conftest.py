@@ -10,7 +10,7 @@ import pytest
 from cross.platforms import Machine, Missing, PLATFORMS
 from support import driver as driver_module
 from support.driver import Driver
-from support.processes import Central, is_sanitized
+from support.processes import Central
 
 HERE = "x86-64"
 ORIGINAL = "CMU IPC"
@@ -49,12 +49,9 @@ def build_directory(pytestconfig):
 
 
 @pytest.fixture(scope="session")
-def machine(build_directory, request, central_program, library, compiler):
+def machine(once, build_directory, request, central_program, library, compiler):
     """Gives the machine of a name, built when it is first asked for; skips the test where the
     machine cannot be had."""
-
-    if is_sanitized(central_program):
-        pytest.skip("the programs of other machines have no sanitizers: once is enough")
 
     @functools.lru_cache(None)
     def find(name):

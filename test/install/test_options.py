@@ -4,6 +4,9 @@ import pytest
 from install.tools import ROOT, run
 
 
+pytestmark = pytest.mark.usefixtures("once")
+
+
 def configure(out, *options):
     """Configures the project and returns what CMake said, warnings included."""
     return run("sh", "-c", 'exec cmake -S "$0" -B "$@" 2>&1', ROOT, out, *options)

@@ -5,6 +5,8 @@ import pytest
 
 from install.tools import ROOT, run, tool
 
+pytestmark = pytest.mark.usefixtures("once")
+
 CONSUMER = f"""
 cmake_minimum_required(VERSION 3.16)
 project(robot LANGUAGES C)

@@ -10,6 +10,8 @@ from python.tools import ROOT
 from support.processes import Central
 from support.waiting import SLOW
 
+pytestmark = pytest.mark.usefixtures("once")
+
 PARTS = ("CMakeLists.txt", "CHANGELOG.md", "LICENSE", "MANIFEST.in", "pyproject.toml", "setup.py",
          "docs", "include", "python", "src", "xdrgen")
 
