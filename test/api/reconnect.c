@@ -348,7 +348,11 @@ CHECK_NEW(calls_in_between_fail)
     EXPECT_FAILURE(IPC_isMsgDefined("m"), 0, IPC_Not_Connected);
     EXPECT_NULL(IPC_msgFormatter("m"), IPC_Not_Connected);
     EXPECT_OK(IPC_defineFormat("meanwhile", "int"));
+    EXPECT_QUIET(IPCx_tryConnect("A", central->address), IPC_Timeout);
+    EXPECT(IPC_getContext() == own_context);
     come_back();
+    EXPECT_QUIET(IPCx_tryConnect("A", central->address), IPC_OK);
+    EXPECT(IPC_getContext() == own_context);
     EXPECT_INT(IPC_isMsgDefined("n"), 0);
     EXPECT_INT(IPC_isMsgDefined("m"), 1);
     expect_message(1);

@@ -12,6 +12,18 @@
 
 enum { OWN_NAME_SIZE = 33 }; /* as much of this host's name as the protocol uses */
 
+const char *address_choose(const char *server, char own_host[NET_NAME_SIZE])
+{
+    if (server == NULL || *server == '\0') {
+        server = getenv("CENTRALHOST");
+    }
+    if (server == NULL || *server == '\0') {
+        net_host_name(own_host, NET_NAME_SIZE);
+        server = own_host;
+    }
+    return server;
+}
+
 /* The part before the port, without the brackets of an IPv6 address: its length, and the port's text. */
 static size_t split(const char *text, const char **host, const char **port)
 {

@@ -16,6 +16,10 @@ struct address {
     bool local; /* the Unix socket of that port comes first */
 };
 
+/* The server that is meant: that one; if NULL or empty, the one of CENTRALHOST, or else this host, whose
+ * name is put into own_host. */
+const char *address_choose(const char *server, char own_host[NET_NAME_SIZE]);
+
 /* Splits host[:port] or [IPv6]:port: 0, or ERR_UNKNOWN when it cannot name a host. */
 int address_parse(const char *text, struct address *address);
 

@@ -3,7 +3,6 @@
  */
 #include "libipc/connect.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -169,26 +168,6 @@ static IPC_RETURN_TYPE try_often(const char *module, const char *server, bool by
 
 /* ------------------------------------------------------------------- connecting */
 
-/* The server that is meant, and whether nobody has said so. */
-struct target {
-    const char *server;
-    bool by_default; /* then the server is this host */
-    char own_host[NET_NAME_SIZE];
-};
-
-static void find_target(struct target *target, const char *server)
-{
-    if (server == NULL || *server == '\0') {
-        server = getenv("CENTRALHOST");
-    }
-    target->by_default = server == NULL || *server == '\0';
-    if (target->by_default) {
-        net_host_name(target->own_host, sizeof target->own_host);
-        server = target->own_host;
-    }
-    target->server = server;
-}
-
 static void report_version(void)
 {
     report_banner("NMP IPC Version %s (%s)\n", IPC_VERSION, IPC_RELEASE_DATE);
@@ -196,46 +175,47 @@ static void report_version(void)
 
 IPC_RETURN_TYPE connect_module(const char *module, const char *server, bool will_listen)
 {
-    struct target target;
+    char own_host[NET_NAME_SIZE];
     int port;
     if (module == NULL || *module == '\0') {
         return report(IPC_Null_Argument);
     }
     report_version();
-    find_target(&target, server);
-    if (target.by_default) {
+    server = address_choose(server, own_host);
+    const bool by_default = server == own_host;
+    if (by_default) {
         report_warning("Warning: CENTRALHOST environment variable not set.\n");
     }
     const enum already already =
-        look_for_connection(target.server, will_listen, N_TRIES * PAUSE_MS, &port);
+        look_for_connection(server, will_listen, N_TRIES * PAUSE_MS, &port);
     if (already == ALREADY_AWAY) {
         return report(IPC_Not_Connected);
     }
     if (already == ALREADY_CONNECTED) {
-        report_warning("x_ipcConnectModule: already connected to %s\n", target.server);
+        report_warning("x_ipcConnectModule: already connected to %s\n", server);
         report_connected(port);
         return IPC_OK;
     }
-    return try_often(module, target.server, target.by_default, will_listen);
+    return try_often(module, server, by_default, will_listen);
 }
 
 IPC_RETURN_TYPE connect_if_there(const char *module, const char *server)
 {
-    struct target target;
+    char own_host[NET_NAME_SIZE];
     struct address address;
     int port;
     if (module == NULL || *module == '\0') {
         return report(IPC_Null_Argument);
     }
-    find_target(&target, server);
-    const enum already already = look_for_connection(target.server, true, 0, &port);
+    server = address_choose(server, own_host);
+    const enum already already = look_for_connection(server, true, 0, &port);
     if (already != ALREADY_NOT) {
         return already == ALREADY_CONNECTED ? IPC_OK : IPC_Timeout;
     }
-    if (address_parse(target.server, &address) != 0) {
+    if (address_parse(server, &address) != 0) {
         return report(IPC_Not_Connected);
     }
-    const enum try_result result = try_once(module, target.server, true, &address);
+    const enum try_result result = try_once(module, server, true, &address);
     if (result == TRY_NOBODY) {
         return IPC_Timeout;
     }

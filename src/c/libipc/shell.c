@@ -3,7 +3,6 @@
  */
 #include "libipc/shell.h"
 
-#include <stdlib.h>
 #include <stdio.h>
 
 #include "base/error.h"
@@ -71,14 +70,7 @@ enum shell_result shell_end_central(const char *server)
 {
     struct address address;
     char own_host[NET_NAME_SIZE];
-    if (server == NULL || *server == '\0') {
-        server = getenv("CENTRALHOST");
-    }
-    if (server == NULL || *server == '\0') {
-        net_host_name(own_host, sizeof own_host);
-        server = own_host;
-    }
-    if (address_parse(server, &address) != 0) {
+    if (address_parse(address_choose(server, own_host), &address) != 0) {
         return SHELL_NONE;
     }
     return is_this_machine(&address) ? end_central_at(&address) : SHELL_ELSEWHERE;
