@@ -24,7 +24,7 @@ from .arguments import Text
 from .connection import Connection, Message, OnError, SubscribedMessages
 from .constants import IPC_Not_Connected, IPC_VARIABLE_LENGTH
 from .contexts import has_ended
-from .coroutines import CoroutineConnection, Handler
+from .coroutines import CoroutineConnection, Handler, connected
 from .errors import IPCTimeout, NotConnected, last_error
 from .library import waits
 
@@ -107,7 +107,7 @@ class AsyncConnection(CoroutineConnection):
     def __init__(self, name: Text, server: Optional[Text] = None, *,
                  on_handler_error: OnError = "raise", reconnect: Optional[str] = None) -> None:
         self._connect = functools.partial(
-            Connection._connected, asyncio.sleep, name, server, on_handler_error=on_handler_error,
+            connected, asyncio.sleep, name, server, on_handler_error=on_handler_error,
             reconnect=reconnect)
         self._connection: Optional[Connection] = None
         self._pump: Optional[_Pump] = None

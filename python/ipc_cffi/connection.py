@@ -7,35 +7,34 @@ from __future__ import annotations
 import contextlib
 import functools
 import os
-import threading
 import time
 from collections import deque
 from types import TracebackType
-from typing import (Any, Awaitable, Callable, Deque, Generic, Iterable, Iterator, List, Optional,
-                    Tuple, Type, TypeVar, Union, cast, overload)
+from typing import (Any, Callable, Deque, Generic, Iterable, Iterator, List, Optional, Tuple, Type,
+                    TypeVar, Union, cast, overload)
 
-from ._ffi import ffi, lib
+from ._ffi import lib
 from .arguments import Text
 from .constants import (IPC_Error, IPC_Not_Connected, IPC_OK, IPC_RETURN_TYPE, IPC_Timeout,
                         IPC_VARIABLE_LENGTH, IPC_WAIT_FOREVER, TRIGGER_FOREVER)
-from .contexts import (IPC_CONTEXT_PTR, IPC_connectModule, IPC_connectModuleNoListen,
+from .contexts import (Current, IPC_CONTEXT_PTR, IPC_connectModule, IPC_connectModuleNoListen,
                        IPC_disconnect, IPC_getContext, IPC_isConnected, IPCx_tryConnect,
                        has_ended)
 from .errors import (BadData, IllegalFormat, IPCError, IPCTimeout, MessageNotDefined,
-                     MismatchedFormat, NotConnected, WrongLength, last_error, logger)
+                     MismatchedFormat, NotConnected, WrongLength, checked, last_error, logger)
 from .format import Format
 from .formatters import IPC_defineFormat
 from .handlers import MSG_INSTANCE
 from .hints import format_of
 from .library import waits
-from .listening import (IPC_addTimerGetRef, IPC_removeTimerByRef, IPC_subscribeFD,
-                        IPC_unsubscribeFD, TIMER_REF)
+from .listening import IPC_addTimerGetRef, IPC_removeTimerByRef, TIMER_REF
 from .messages import (IPC_defineMsg, IPC_dataLength, IPC_msgInstanceName, Refused, encoded_for,
                        publish_data)
 from .queries import IPC_delayResponse, IPC_respondData, Reply, query_data, query_notify
 from .reconnect import (IPCX_RECONNECT_FAIL, IPCX_RECONNECT_NEVER, IPCX_RECONNECT_WAIT,
                         IPCx_setReconnect, IPCx_subscribeConnection)
 from .subscriptions import IPC_unsubscribe, subscribe
+from .waker import Waker
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -47,20 +46,8 @@ OnError = Union[str, Callable[[BaseException], Any]]
 #: The level of the module logging, which is not imported for it.
 DEBUG = 10
 
-#: How long coroutines look for a server: as long as the library does by itself.
-TRIES = 25
-SECONDS_BETWEEN_TRIES = 0.2
-
 _RECONNECT = {"never": IPCX_RECONNECT_NEVER, "fail": IPCX_RECONNECT_FAIL,
               "wait": IPCX_RECONNECT_WAIT}
-
-
-def checked(result: IPC_RETURN_TYPE) -> IPC_RETURN_TYPE:
-    """The result of a function of the manual; an error is an exception."""
-    if result == IPC_Error:
-        raise last_error()
-    return result
-
 
 #: The errors that are one of what a call is about, and so name it.
 _OF_ITS_ARGUMENT = (MessageNotDefined, WrongLength, IllegalFormat, MismatchedFormat, BadData)
@@ -100,13 +87,6 @@ def _chosen(choice: str, choices: Iterable[str], what: str) -> str:
     if choice not in choices:
         raise ValueError(f"{what} can be {', '.join(map(repr, choices))}, not {choice!r}")
     return choice
-
-
-def _looked_for(error: NotConnected, server: Optional[Text]) -> NotConnected:
-    """The error says where a server was looked for."""
-    place = os.fsdecode(server or os.environ.get("CENTRALHOST") or "localhost")
-    error.about = f"is there a central at {place}?"
-    return error
 
 
 def milliseconds(seconds: Optional[float]) -> int:
@@ -172,35 +152,6 @@ class Question:
         self._reply.end()
 
 
-class _Waker:
-    """Ends the wait of listening calls, from anywhere."""
-
-    def __init__(self) -> None:
-        # A signal handler may wake while its thread closes.
-        self._lock = threading.RLock()
-        self._read, self._write = os.pipe()
-        for descriptor in (self._read, self._write):
-            os.set_blocking(descriptor, False)
-        IPC_subscribeFD(self._read, self._drain)
-
-    def _drain(self, descriptor: int, client_data: Any) -> None:
-        with contextlib.suppress(BlockingIOError):  # another thread may have been quicker
-            os.read(descriptor, 4096)
-
-    def wake(self) -> None:
-        with self._lock, contextlib.suppress(BlockingIOError):
-            if self._write >= 0:
-                os.write(self._write, b"!")
-
-    def close(self) -> None:
-        with self._lock:
-            write, self._write = self._write, -1
-            if write >= 0:
-                IPC_unsubscribeFD(self._read, None)
-                os.close(self._read)
-                os.close(write)
-
-
 class Timer:
     """Calls a handler from time to time, until it is cancelled."""
 
@@ -237,73 +188,35 @@ class _Adapter:
             self._handler(message)
 
 
-class _Current:
-    """A with block in which a context is the current one."""
-
-    __slots__ = ("_context", "_before")
-
-    def __init__(self, context: Any) -> None:
-        self._context = context
-
-    def __enter__(self) -> None:
-        self._before = lib.IPC_getContext()
-        if self._before != self._context:
-            lib.IPC_setContext(self._context)
-
-    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
-                 trace: Optional[TracebackType]) -> None:
-        if self._before not in (self._context, ffi.NULL):
-            lib.IPC_setContext(self._before)
-
-
 class Connection:
     """A connection to a server under the name of a module."""
 
     def __init__(self, name: Text, server: Optional[Text] = None, *, listen: bool = True,
                  errors: str = "raise", on_handler_error: OnError = "raise",
-                 reconnect: Optional[str] = None) -> None:
-        self._choose(errors, on_handler_error, reconnect)
-        connect = IPC_connectModule if listen else IPC_connectModuleNoListen
-        try:
-            checked(connect(name, server))
-        except NotConnected as error:
-            raise _looked_for(error, server) from None
-        self._begin(name, reconnect)
-
-    @classmethod
-    async def _connected(cls, sleep: Callable[[float], Awaitable[Any]], name: Text,
-                         server: Optional[Text], *, on_handler_error: OnError,
-                         reconnect: Optional[str]) -> Connection:
-        """The same for coroutines, of which others run until there is a server: sleep lets them."""
-        connection = cls.__new__(cls)
-        connection._choose("raise", on_handler_error, reconnect)
-        for _ in range(TRIES):
-            try:
-                result = checked(IPCx_tryConnect(name, server))
-            except NotConnected as error:
-                raise _looked_for(error, server) from None
-            if result == IPC_OK:
-                connection._begin(name, reconnect)
-                return connection
-            await sleep(SECONDS_BETWEEN_TRIES)
-        raise _looked_for(cast(NotConnected, last_error(IPC_Not_Connected)), server)
-
-    def _choose(self, errors: str, on_handler_error: OnError, reconnect: Optional[str]) -> None:
+                 reconnect: Optional[str] = None, wait: bool = True) -> None:
         self._errors = _chosen(errors, ("raise", "code"), "errors")
         if not callable(on_handler_error):
             _chosen(on_handler_error, ("raise", "log"), "on_handler_error")
         self._on_handler_error = on_handler_error
         if reconnect is not None:
             _chosen(reconnect, _RECONNECT, "reconnect")
-
-    def _begin(self, name: Text, reconnect: Optional[str]) -> None:
-        """With the context that has just been connected."""
+        if not (listen or wait):
+            raise ValueError("a connection with listen=False waits for the server")
+        connect = IPC_connectModule if wait and listen else \
+            IPC_connectModuleNoListen if wait else IPCx_tryConnect
+        try:
+            if checked(connect(name, server)) == IPC_Timeout:
+                raise last_error(IPC_Not_Connected)
+        except NotConnected as error:
+            place = os.fsdecode(server or os.environ.get("CENTRALHOST") or "this host")
+            error.about = f"is there a central at {place}?"
+            raise
         context = IPC_getContext()
         assert context is not None
         self.name = os.fsdecode(name)
         self.context: IPC_CONTEXT_PTR = context
         self._stopped = False
-        self._waker: Optional[_Waker] = None
+        self._waker: Optional[Waker] = None
         if reconnect is not None:
             checked(IPCx_setReconnect(_RECONNECT[reconnect]))
 
@@ -343,9 +256,9 @@ class Connection:
         with self._current():
             return IPC_isConnected()
 
-    def _current(self) -> _Current:
+    def _current(self) -> Current:
         """Makes this connection the current one for a while."""
-        return _Current(self.context.pointer)
+        return Current(self.context.pointer)
 
     @contextlib.contextmanager
     def _failures(self) -> Iterator[None]:
@@ -484,7 +397,7 @@ class Connection:
     def dispatch(self) -> IPC_RETURN_TYPE:
         """Listens until stop() is called, or the connection has been closed."""
         if self._waker is None:
-            self._waker = _Waker()
+            self._waker = Waker()
         try:
             while not self._stopped and not has_ended(self.context):
                 self._listen(IPC_WAIT_FOREVER, lambda: self._stopped)
@@ -608,14 +521,14 @@ class Messages(SubscribedMessages, Generic[T]):
 
 def connect(name: Text, server: Optional[Text] = None, *, listen: bool = True,
             errors: str = "raise", on_handler_error: OnError = "raise",
-            reconnect: Optional[str] = None) -> Connection:
+            reconnect: Optional[str] = None, wait: bool = True) -> Connection:
     """Connects to a server, by default the one of CENTRALHOST; to be used in a with statement.
 
     errors            "raise", or "code": failures other than of connect() give codes or None
     on_handler_error  "raise", "log", or what is called with the exceptions of handlers
     reconnect         after the loss of the server: "never"; "fail": calls fail until it is back;
                       "wait": they wait; by default what the variable IPC_RECONNECT says
+    wait              whether to wait for the server, for five seconds; else it fails at once
     """
-    return Connection(name, server, listen=listen, errors=errors,
+    return Connection(name, server, listen=listen, errors=errors, wait=wait,
                       on_handler_error=on_handler_error, reconnect=reconnect)
-

@@ -3,7 +3,8 @@ from __future__ import annotations
 
 import atexit
 import os
-from typing import Any, Dict, Optional, Set
+from types import TracebackType
+from typing import Any, Dict, Optional, Set, Type
 
 from ._ffi import ffi, lib
 from .arguments import Text, text_argument
@@ -154,6 +155,25 @@ def IPC_setContext(context: Optional[IPC_CONTEXT_PTR]) -> IPC_RETURN_TYPE:
     if address(context.pointer) not in _connected:
         return fail(IPC_Argument_Out_Of_Range)
     return listen(lib.IPC_setContext, context.pointer)
+
+
+class Current:
+    """A with block in which a context is the current one."""
+
+    __slots__ = ("_context", "_before")
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+
+    def __enter__(self) -> None:
+        self._before = lib.IPC_getContext()
+        if self._before != self._context:
+            lib.IPC_setContext(self._context)
+
+    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
+                 trace: Optional[TracebackType]) -> None:
+        if self._before not in (self._context, ffi.NULL):
+            lib.IPC_setContext(self._before)
 
 
 # --------------------------------------------------------------- fork, the end

@@ -1,12 +1,28 @@
 """What connections of asyncio and of trio have in common."""
 from __future__ import annotations
 
-from typing import Any, Callable, Optional, Type
+import contextlib
+from typing import Any, Awaitable, Callable, Optional, Type
 
 from .arguments import Text
 from .connection import Connection, Message, Timer
+from .errors import NotConnected
 
 Handler = Callable[[Message[Any]], Any]
+
+#: How often a server is looked for, and the seconds between: as the library does it by itself.
+TRIES = 5
+PAUSE = 1.0
+
+
+async def connected(sleep: Callable[[float], Awaitable[Any]], name: Text, server: Optional[Text],
+                    **options: Any) -> Connection:
+    """A connection, as of ipc_cffi.connect(); while there is no server, others run in the sleep."""
+    for _ in range(TRIES - 1):
+        with contextlib.suppress(NotConnected):
+            return Connection(name, server, wait=False, **options)
+        await sleep(PAUSE)
+    return Connection(name, server, wait=False, **options)
 
 
 class CoroutineConnection:

@@ -124,6 +124,13 @@ def result(number: int) -> IPC_RETURN_TYPE:
     return _RESULTS[number] if number != IPC_Error else raise_error()
 
 
+def checked(result: IPC_RETURN_TYPE) -> IPC_RETURN_TYPE:
+    """The result of a function of the manual; an error is an exception."""
+    if result == IPC_Error:
+        raise last_error()
+    return result
+
+
 class Texts:
     """Where texts go."""
 

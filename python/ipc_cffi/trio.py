@@ -23,7 +23,7 @@ from ._ffi import lib
 from .arguments import Text
 from .connection import Connection, Message, OnError, SubscribedMessages
 from .constants import IPC_Not_Connected, IPC_VARIABLE_LENGTH
-from .coroutines import CoroutineConnection, Handler
+from .coroutines import CoroutineConnection, Handler, connected
 from .errors import IPCTimeout, last_error
 from .library import waits
 
@@ -165,7 +165,7 @@ async def connect(name: Text, server: Optional[Text] = None, *,
                   on_handler_error: OnError = "raise",
                   reconnect: Optional[str] = None) -> AsyncIterator[TrioConnection]:
     """A connection to a server, for async with; options as for ipc_cffi.connect()."""
-    with await Connection._connected(trio.sleep, name, server, on_handler_error=on_handler_error,
+    with await connected(trio.sleep, name, server, on_handler_error=on_handler_error,
                                     reconnect=reconnect) as connection:
         async with trio.open_nursery() as nursery:
             ipc = TrioConnection(connection, nursery)

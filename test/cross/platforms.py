@@ -65,6 +65,8 @@ class Wine:
         patience = os.path.join(self.folder, "patience.so")
         self._run("cc", "-shared", "-fPIC", "-o", patience,
                   os.path.join(ROOT, "test/cross/patient_wineserver.c"))
+        if not os.path.exists(patience):
+            raise Missing("cc makes no library for wineserver")
         # It stays, and so do the services that wineboot starts, so that programs start fast and
         # leave nothing behind.
         self._run("wineserver", "-p", LD_PRELOAD=patience)

@@ -3,7 +3,6 @@ import pytest
 
 from install.tools import ROOT, run
 
-
 pytestmark = pytest.mark.usefixtures("once")
 
 

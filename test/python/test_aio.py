@@ -8,6 +8,7 @@ from python.tools import ipc as IPC
 from support.processes import free_port
 from support.waiting import PATIENCE, SLOW
 
+from ipc_cffi import coroutines  # noqa: E402  pylint: disable=wrong-import-order
 import ipc_cffi.aio as aio  # noqa: E402  pylint: disable=wrong-import-order
 
 
@@ -146,26 +147,21 @@ def test_the_loop_goes_on_while_nothing_comes(address):
     assert run(main()) < 0.2 * SLOW
 
 
-def test_other_tasks_run_until_there_is_a_server(ipc, start_central, capfd):
+def test_other_tasks_run_until_there_is_a_server(ipc, start_central, monkeypatch, capfd):
+    monkeypatch.setattr("ipc_cffi.coroutines.PAUSE", 0.01)
     port = free_port()
 
-    async def main():
-        turns = []
+    async def start():
+        start_central(f"-p{port}")
 
-        async def take_turns():
-            while True:
-                turns.append(len(turns))
-                await asyncio.sleep(0.01)
-                if len(turns) == 30:
-                    start_central(f"-p{port}")
-        other = asyncio.create_task(take_turns())
+    async def main():
+        other = asyncio.create_task(start())  # runs when this one waits
         async with aio.connect("test", f"127.0.0.1:{port}") as module:
-            assert len(turns) >= 30
+            assert other.done()
             await module.define("m", int)
             stream = module.subscribe("m")
             await module.publish("m", 7)
             assert (await stream.get()).data == 7
-        other.cancel()
     run(main())
     assert "Trying again" not in capfd.readouterr().out
 
@@ -175,16 +171,36 @@ def test_where_no_server_is_connecting_fails(ipc, monkeypatch):
         async with aio.connect("test", "127.0.0.1:1", **options):
             pass
 
-    async def main_for_a_while():
-        await asyncio.wait_for(main(), 0.05)
-    with pytest.raises(asyncio.TimeoutError):
-        run(main_for_a_while())
-    monkeypatch.setattr("ipc_cffi.connection.SECONDS_BETWEEN_TRIES", 0.001)
-    with pytest.raises(ipc.NotConnected, match=r"is there a central at 127\.0\.0\.1:1\?"):
-        run(main())
+    async def cancelled():
+        connecting = asyncio.create_task(main())
+        await asyncio.sleep(0)  # until it waits
+        connecting.cancel()
+        await connecting
+    with pytest.raises(asyncio.CancelledError):
+        run(cancelled())
     with pytest.raises(ValueError, match="reconnect can be"):
         run(main(reconnect="perhaps"))
+    monkeypatch.setattr("ipc_cffi.coroutines.PAUSE", 0.001)
+    with pytest.raises(ipc.NotConnected, match=r"is there a central at 127\.0\.0\.1:1\?"):
+        run(main())
     assert not ipc.IPC_isConnected()
+
+
+def test_a_server_is_looked_for_as_often_as_by_the_library(ipc, start_central):
+    port, pauses = free_port(), []
+
+    async def sleep(seconds):
+        pauses.append(seconds)
+        if len(pauses) == 4:
+            start_central(f"-p{port}")
+
+    async def main():
+        options = {"on_handler_error": "log", "reconnect": None}
+        module = await coroutines.connected(sleep, "test", f"127.0.0.1:{port}", **options)
+        with module:
+            assert module.is_connected
+    run(main())
+    assert pauses == [1.0] * 4
 
 
 def test_several_connections(ipc, start_central):

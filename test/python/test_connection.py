@@ -475,12 +475,22 @@ def test_who_is_there_can_be_seen(ipc, monkeypatch):
     assert repr(central) == "<Central not running>"
 
 
-def test_who_finds_no_server_is_told_where_none_is(ipc, monkeypatch):
-    monkeypatch.setenv("CENTRALHOST", "localhost:1")
-    with pytest.raises(ipc.NotConnected) as caught:
-        ipc.connect("m")
-    assert str(caught.value) == \
-        "Not connected to IPC central: is there a central at localhost:1?"
+def test_who_finds_no_server_is_told_where_none_is(ipc, monkeypatch, capfd):
+    for server, place in ((None, "localhost:1"), ("127.0.0.1:1", "127.0.0.1:1")):
+        monkeypatch.setenv("CENTRALHOST", "localhost:1")
+        with pytest.raises(ipc.NotConnected) as caught:
+            ipc.connect("m", server, wait=False)
+        assert str(caught.value) == \
+            f"Not connected to IPC central: is there a central at {place}?"
+        assert caught.value.errno == ipc.IPC_Not_Connected
+    assert capfd.readouterr() == ("", "")
+    with pytest.raises(ValueError, match="listen=False"):
+        ipc.connect("m", wait=False, listen=False)
+
+
+def test_a_server_that_is_there_need_not_be_waited_for(ipc, central):
+    with ipc.connect("m", central.address, wait=False) as connection:
+        assert connection.is_connected and ipc.IPC_isModuleConnected("m")
 
 
 def test_errors_as_codes(ipc, central):

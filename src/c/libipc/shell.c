@@ -3,7 +3,6 @@
  */
 #include "libipc/shell.h"
 
-#include <stdio.h>
 
 #include "base/error.h"
 #include "libipc/address.h"
