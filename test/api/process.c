@@ -3,12 +3,18 @@
  */
 #include "check.h"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+/* CMU IPC has not got it. */
+__attribute__((weak)) IPC_RETURN_TYPE IPCx_tryConnect(const char *taskName, const char *serverName);
 
 /* ------------------------------------------------------------------------------------- fork */
 
@@ -462,6 +468,60 @@ CHECK_NEW(the_socket_of_direct_mode_is_removed_when_a_module_exits)
     module_tell(module, 1);
     EXPECT_INT(module_end(module), 0);
     EXPECT(access(path, F_OK) != 0);
+}
+
+/* The TCP address at which others reach this module directly. */
+static in_addr_t own_address(void)
+{
+    struct sockaddr_in name;
+    fd_set set = IPC_getConnections();
+    for (int fd = 0; fd < FD_SETSIZE; fd++) {
+        int listens = 0;
+        socklen_t size = sizeof listens;
+        socklen_t length = sizeof name;
+        if (FD_ISSET(fd, &set) && getsockopt(fd, SOL_SOCKET, SO_ACCEPTCONN, &listens, &size) == 0 &&
+            listens && getsockname(fd, (struct sockaddr *)&name, &length) == 0 &&
+            name.sin_family == AF_INET) {
+            return ntohl(name.sin_addr.s_addr);
+        }
+    }
+    return INADDR_NONE;
+}
+
+CHECK_NEW(direct_links_come_from_everywhere_if_nothing_is_said)
+{
+    unsetenv("IPC_DIRECT_ADDRESS");
+    directly_connected();
+    EXPECT_INT(own_address(), INADDR_ANY);
+}
+
+CHECK_NEW(direct_links_are_listened_for_at_the_address_that_is_told)
+{
+    setenv("IPC_DIRECT_ADDRESS", "127.0.0.1", 1);
+    struct central *central = directly_connected();
+    EXPECT_INT(own_address(), INADDR_LOOPBACK);
+    struct module *module = module_start("direct_one", central);
+    listen_for(100);
+    EXPECT_OK(publish_int("m", 1));
+    EXPECT_INT(module_hear(module), 1);
+}
+
+static char address_of_central[64];
+
+static void connect_at_an_address_of_another_host(void)
+{
+    setenv("IPC_DIRECT_ADDRESS", "192.0.2.1", 1); /* for documentation only */
+    IPC_setVerbosity(IPC_Print_Warnings);
+    EXPECT_ERROR(IPCx_tryConnect("A", address_of_central), IPC_Not_Connected);
+}
+
+CHECK_NEW(an_address_for_direct_links_that_is_none_is_told)
+{
+    snprintf(address_of_central, sizeof address_of_central, "%s", central_start("-c")->address);
+    const struct outcome outcome = run_apart(connect_at_an_address_of_another_host);
+    EXPECT_INT(outcome.status, 0);
+    EXPECT(strstr(outcome.err, "Warning: no port from 8000 to 9000 for direct links at "
+                               "IPC_DIRECT_ADDRESS=192.0.2.1\n"));
 }
 
 /* Connects again and again, and counts how often it had no socket then. */

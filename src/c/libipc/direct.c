@@ -107,13 +107,21 @@ static void remove_files_at_end(struct library *library)
     }
 }
 
+/* Where the user wants modules to listen for each other; NULL: everywhere, since they may be on any
+ * host, and those of CMU IPC have nothing to choose by. */
+static const char *chosen_address(void)
+{
+    const char *address = getenv("IPC_DIRECT_ADDRESS");
+    return address != NULL && *address != '\0' ? address : NULL;
+}
+
 /* Listens on that port by TCP and, if that works, by Unix socket: whether others can come. */
-static bool listen_on(struct _X_IPC_CONTEXT *context, int port)
+static bool listen_on(struct _X_IPC_CONTEXT *context, const char *address, int port)
 {
     struct library *library = context->library;
     char path[NET_PATH_SIZE];
     int fd;
-    if (net_listen_tcp(NULL, &port, &fd) != 0) {
+    if (net_listen_tcp(address, &port, &fd) != 0) {
         return false;
     }
     source_init(&context->direct_tcp, &tcp_kind, fd);
@@ -131,12 +139,16 @@ static bool listen_on(struct _X_IPC_CONTEXT *context, int port)
 
 int direct_listen(struct _X_IPC_CONTEXT *context)
 {
+    const char *address = chosen_address();
     for (int port = FIRST_PORT; port <= LAST_PORT; port++) {
-        if (listen_on(context, port)) {
+        if (listen_on(context, address, port)) {
             context->direct_port = port;
             return 0;
         }
     }
+    report_warning("Warning: no port from %d to %d for direct links%s%s\n", FIRST_PORT, LAST_PORT,
+                   address != NULL ? " at IPC_DIRECT_ADDRESS=" : "",
+                   address != NULL ? address : "");
     return ERR_IO;
 }
 
